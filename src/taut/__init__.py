@@ -1,0 +1,1 @@
+"""taut: certified motion plans for robot teams on 2D maps."""
