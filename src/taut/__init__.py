@@ -1,1 +1,123 @@
-"""taut: certified motion plans for robot teams on 2D maps."""
+"""Certified motion plans for robot teams on 2D maps: paths pulled taut around obstacles, timed so that nobody collides.
+
+The public names below are loaded when they are first used, so that importing the package stays cheap.
+
+>>> import taut
+>>> scene = taut.Scene((0, 0, 10, 10), robots=[taut.Robot("R1", (1, 1), (9, 9), radius=0.2)])
+>>> scene.robots[0].name
+'R1'
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from taut import graph as graph
+    from taut.certificate import Certificate, certify
+    from taut.errors import (
+        GoalBlocked,
+        NoPath,
+        NoPlanFound,
+        OutputError,
+        PlanError,
+        SceneError,
+        StartBlocked,
+        TautError,
+    )
+    from taut.figures import animate, draw, save_figure
+    from taut.formats import load_plan, load_scene, save
+    from taut.freespace import FreeSpace
+    from taut.generate import random_scene
+    from taut.motion import Plan, Trajectory
+    from taut.roadmap import Roadmap, visibility_graph
+    from taut.route import Route, shortest_path
+    from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
+    from taut.team import Result, plan
+    from taut.validation import validate
+
+    __version__: str
+
+__all__ = [
+    "Certificate",
+    "Circle",
+    "FreeSpace",
+    "GoalBlocked",
+    "Line",
+    "NoPath",
+    "NoPlanFound",
+    "OutputError",
+    "Plan",
+    "PlanError",
+    "Polygon",
+    "Rectangle",
+    "Result",
+    "Roadmap",
+    "Robot",
+    "Route",
+    "Scene",
+    "SceneError",
+    "StartBlocked",
+    "TautError",
+    "Trajectory",
+    "__version__",
+    "animate",
+    "certify",
+    "draw",
+    "graph",
+    "load_plan",
+    "load_scene",
+    "plan",
+    "random_scene",
+    "save",
+    "save_figure",
+    "shortest_path",
+    "validate",
+    "visibility_graph",
+]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: with a module-level __getattr__ they would accept every misspelt name.
+    _HOMES = {
+        "taut.certificate": ("Certificate", "certify"),
+        "taut.errors": (
+            "GoalBlocked",
+            "NoPath",
+            "NoPlanFound",
+            "OutputError",
+            "PlanError",
+            "SceneError",
+            "StartBlocked",
+            "TautError",
+        ),
+        "taut.figures": ("animate", "draw", "save_figure"),
+        "taut.formats": ("load_plan", "load_scene", "save"),
+        "taut.freespace": ("FreeSpace",),
+        "taut.generate": ("random_scene",),
+        "taut.motion": ("Plan", "Trajectory"),
+        "taut.roadmap": ("Roadmap", "visibility_graph"),
+        "taut.route": ("Route", "shortest_path"),
+        "taut.scene": ("Circle", "Line", "Polygon", "Rectangle", "Robot", "Scene"),
+        "taut.team": ("Result", "plan"),
+        "taut.validation": ("validate",),
+    }
+    _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+    def __getattr__(name: str) -> object:
+        import importlib
+
+        if name == "__version__":
+            from importlib.metadata import version
+
+            value: object = version("taut")
+        elif name == "graph":
+            value = importlib.import_module("taut.graph")
+        elif name in _HOME_OF:
+            value = getattr(importlib.import_module(_HOME_OF[name]), name)
+        else:
+            raise AttributeError(f"module 'taut' has no attribute {name!r}")
+        globals()[name] = value
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -261,7 +262,7 @@ class Scene:
         _unique([o.name for o in self.obstacles], "obstacles")
         _unique([r.name for r in self.robots], "robots")
 
-    @property
+    @cached_property
     def tol(self) -> float:
         """The one tolerance, metres: 2⁻⁴⁰ times the largest |coordinate| of the scene."""
         largest = max((abs(c) for p in self.workspace for c in p), default=0.0)

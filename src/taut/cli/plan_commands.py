@@ -1,0 +1,154 @@
+"""The commands about plans: plan, verify, show."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from taut.cli.options import AnimateOption, FigureOption, GraphOption, JsonOption, Method, Order, SceneArgument
+from taut.cli.output import complain, progress, require_writable, say, say_facts, say_json
+from taut.cli.pictures import require_pictures, write_pictures
+from taut.cli.reports import plan_report, say_certificate, say_plan, say_scene, scene_report
+from taut.errors import OutputError, SceneError
+
+if TYPE_CHECKING:
+    from taut.motion import Plan
+    from taut.scene import Scene
+
+
+def plan(
+    scene: SceneArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="PLAN", help="Write the plan (.json).")
+    ] = None,
+    method: Annotated[Method, typer.Option(help="How the team is planned.")] = Method.prioritized,
+    order: Annotated[Order, typer.Option(help="Which robots are planned first.")] = Order.shortest,
+    seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop trying after S seconds.")] = None,
+    rounds: Annotated[int | None, typer.Option(min=1, metavar="N", help="Stop trying after N rounds.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
+    figure: FigureOption = None,
+    animate: AnimateOption = None,
+    with_graph: GraphOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Plan the motions of a team, prove them, and print and write them."""
+    if seconds is not None and not (math.isfinite(seconds) and seconds > 0):
+        raise typer.BadParameter("must be a positive number", param_hint="--seconds")
+    never = Path(scene)
+    require_writable(output, "a plan", (".json",), never)
+    require_pictures(figure, animate, with_graph, never)
+
+    from taut.formats import load_scene, save
+    from taut.team import plan as plan_team
+
+    began = time.perf_counter()
+    world = load_scene(scene)
+    with progress(f"planning {len(world.robots)} robots"):
+        result = plan_team(world, method=method.value, order=order.value, seed=seed, rounds=rounds, seconds=seconds)
+    report = plan_report(result.plan, result.certificate, list(result.shortest), list(result.detours))
+    report["notes"] = list(result.notes)
+    report["elapsed"] = time.perf_counter() - began
+    report["files"] = []
+    if result.certificate.ok:
+        if output is not None:
+            save(result.plan, output)
+            report["files"].append(str(output))
+        report["files"] += write_pictures(result.plan, figure, animate, with_graph)
+    if as_json:
+        say_json(report)
+    else:
+        for note in report["notes"]:
+            say(f"note: {note}")
+        say_plan(report)
+        say_certificate(result.certificate)
+        say_facts([("planned in", f"{report['elapsed']:.2f} s")])
+        for name in report["files"]:
+            say(f"wrote {name}")
+    if not result.certificate.ok:
+        complain("the plan does not hold, see the problems above; nothing was written")
+
+
+def verify(
+    plan: Annotated[str, typer.Argument(metavar="PLAN", help="A plan file, by whomever it was written.")],
+    scene: Annotated[
+        str | None, typer.Option(metavar="SCENE", help="Prove it for this scene instead of the one in the plan file.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Prove a plan from the plan file alone; exit code 0 only if it holds."""
+    from taut.certificate import certify
+    from taut.formats import load_plan, load_scene
+
+    claimed = load_plan(plan)
+    world = None if scene is None else load_scene(scene)
+    with progress("proving"):
+        certificate = certify(claimed, world)
+    if as_json:
+        say_json({"plan": plan, **certificate.as_dict()})
+    else:
+        say_certificate(certificate)
+    if not certificate.ok:
+        complain(f"{plan}: the plan does not hold")
+
+
+def show(
+    source: Annotated[str, typer.Argument(metavar="SCENE|PLAN", help="A scene, a ready scene's name, or a plan file.")],
+    figure: Annotated[
+        Path | None, typer.Option("-o", "--figure", metavar="FILE", help="Draw a figure (.png, .pdf or .svg).")
+    ] = None,
+    animate: AnimateOption = None,
+    with_graph: GraphOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Sum up a scene or a plan; with --figure draw it."""
+    never = Path(source)
+    require_pictures(figure, animate, with_graph, never)
+
+    from taut.certificate import certify
+    from taut.motion import Plan
+
+    value = _load(source)
+    if not isinstance(value, Plan):
+        if animate is not None:
+            raise OutputError(f"{animate}: a scene does not move; make a plan first: taut plan {source} -o plan.json")
+        report = scene_report(value)
+        report["files"] = write_pictures(value, figure, None, with_graph)
+        if as_json:
+            say_json(report)
+            return
+        say_scene(report)
+        for name in report["files"]:
+            say(f"wrote {name}")
+        return
+    certificate = certify(value)
+    report = plan_report(value, certificate)
+    report["files"] = write_pictures(value, figure, animate, with_graph)
+    if as_json:
+        say_json(report)
+    else:
+        say_scene(scene_report(value.scene))
+        say()
+        say_plan(report)
+        say_certificate(certificate)
+        for name in report["files"]:
+            say(f"wrote {name}")
+    if not certificate.ok:
+        complain(f"{source}: the plan does not hold")
+
+
+def _load(source: str) -> Scene | Plan:
+    """Load a plan if the file says that it is one, otherwise a scene."""
+    from taut.formats import load_plan, load_scene
+
+    path = Path(source)
+    if path.suffix.lower() == ".json" and path.is_file():
+        try:
+            return load_plan(path)
+        except SceneError:
+            if '"plan"' in path.read_text(encoding="utf-8", errors="replace")[:1000]:
+                raise
+    return load_scene(source)

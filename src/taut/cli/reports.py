@@ -1,0 +1,162 @@
+"""What the commands tell: each report is one plain mapping, printed as it is for --json and as text for people."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from taut.cli.output import say, say_facts, say_table
+
+if TYPE_CHECKING:
+    from taut.certificate import Certificate
+    from taut.motion import Plan
+    from taut.scene import Scene
+
+Report: TypeAlias = dict[str, Any]
+
+
+def scene_report(scene: Scene) -> Report:
+    """Describe a scene: its counts, bounds and settings."""
+    xs, ys = zip(*scene.workspace, strict=True)
+    kinds = Counter(type(obstacle).__name__.lower() for obstacle in scene.obstacles)
+    return {
+        "name": scene.name,
+        "bounds": [min(xs), min(ys), max(xs), max(ys)],
+        "workspace_corners": len(scene.workspace),
+        "obstacles": len(scene.obstacles),
+        "obstacle_kinds": dict(sorted(kinds.items())),
+        "robots": len(scene.robots),
+        "radii": sorted({robot.radius for robot in scene.robots}),
+        "speeds": sorted({robot.speed for robot in scene.robots}),
+        "clearance": scene.clearance,
+        "gap": scene.gap,
+        "headway": scene.headway,
+        "at_goal": scene.at_goal,
+    }
+
+
+def say_scene(report: Report) -> None:
+    """Print a scene report."""
+    x0, y0, x1, y1 = report["bounds"]
+    corners = report["workspace_corners"]
+    kinds = ", ".join(f"{count} {kind}" for kind, count in report["obstacle_kinds"].items())
+    say_facts(
+        [
+            ("scene", report["name"] or "(no name)"),
+            ("workspace", f"{x1 - x0:g} × {y1 - y0:g} m, x {x0:g} to {x1:g}, y {y0:g} to {y1:g}, {corners} corners"),
+            ("obstacles", str(report["obstacles"]) + (f" ({kinds})" if kinds else "")),
+            (
+                "robots",
+                f"{report['robots']}, radius {_span(report['radii'], 'm')}, speed {_span(report['speeds'], 'm/s')}",
+            ),
+            ("clearance", f"{report['clearance']:g} m from obstacles and wall"),
+            ("gap", f"{report['gap']:g} m between robots, headway {report['headway']:g} s"),
+            ("at the goal", str(report["at_goal"])),
+        ]
+    )
+
+
+def say_certificate(certificate: Certificate) -> None:
+    """Print what was proved, then every problem."""
+    near, close = certificate.separation, certificate.clearance
+    separation, clearance = "none, no two robots are there at the same time", "none, there are no robots"
+    if near is not None:
+        separation = f"{near.value:.9g} m between {' and '.join(near.robots)} at t = {near.time:.6g} s"
+    if close is not None:
+        clearance = f"{close.value:.9g} m between {close.robot} and {close.obstacle} at t = {close.time:.6g} s"
+    say_facts(
+        [
+            ("least separation", separation),
+            ("least clearance", clearance),
+            ("certified", f"{'yes' if certificate.ok else 'NO'}, tolerance {certificate.tol:.2g} m"),
+        ]
+    )
+    for problem in certificate.problems:
+        say(f"problem: {problem}")
+
+
+def plan_report(
+    plan: Plan,
+    certificate: Certificate,
+    shortest: Sequence[float] | None = None,
+    detours: Sequence[str] = (),
+) -> Report:
+    """Describe a plan robot by robot, and its costs beside their lower bound."""
+    robots: list[Report] = []
+    for k, (robot, trajectory) in enumerate(zip(plan.scene.robots, plan.trajectories, strict=True)):
+        waits = trajectory.waits
+        robots.append(
+            {
+                "name": robot.name,
+                "length": trajectory.length,
+                "arrival": trajectory.arrival,
+                "shortest": None if shortest is None else float(shortest[k]),
+                "waits": len(waits),
+                "waiting": float(sum(until - since for since, until, _, _ in waits)),
+                "detour": detours[k] if k < len(detours) else "",
+            }
+        )
+    bound = plan.lower_bound
+    return {
+        "ok": bool(certificate.ok),
+        "scene": plan.scene.name,
+        "planner": dict(plan.planner),
+        "robots": robots,
+        "sum_of_costs": plan.sum_of_costs,
+        "makespan": plan.makespan,
+        "length": plan.length,
+        "lower_bound": None if bound is None else dict(bound),
+        "gap": _excess(plan.sum_of_costs, bound),
+        "certificate": certificate.as_dict(),
+    }
+
+
+def say_plan(report: Report) -> None:
+    """Print the table of robots and the costs of a plan report."""
+    rows = report["robots"]
+    heads = ["robot", "length (m)", "arrival (s)", "shortest (m)", "waits", "why longer"]
+    shown = [_robot_row(row) for row in rows]
+    if all(row["shortest"] is None for row in rows):
+        heads, shown = heads[:3] + heads[4:5], [row[:3] + row[4:5] for row in shown]
+    elif not any(row[5] for row in shown):
+        heads, shown = heads[:5], [row[:5] for row in shown]
+    if rows:
+        say_table(heads, shown, left=("robot", "waits", "why longer"))
+        say()
+    cost = f"{report['sum_of_costs']:.4f} s"
+    bound = report["lower_bound"]
+    if bound is not None and report["gap"] is not None:
+        cost += f", at least {bound['value']:.4f} s ({bound['model']} model), gap {100 * report['gap']:.2f} %"
+    say_facts(
+        [
+            ("sum of costs", cost),
+            ("makespan", f"{report['makespan']:.4f} s"),
+            ("total length", f"{report['length']:.4f} m"),
+        ]
+    )
+
+
+def _robot_row(row: Report) -> list[str]:
+    waits = f"{row['waits']} ({row['waiting']:.2f} s)" if row["waits"] else ""
+    shortest, why = "", str(row["detour"])
+    if row["shortest"] is not None:
+        shortest = f"{row['shortest']:.4f}"
+        if f"{row['length']:.4f}" != shortest:
+            why = f"+{row['length'] - row['shortest']:.4f} m" + (f": {why}" if why else "")
+    return [row["name"], f"{row['length']:.4f}", f"{row['arrival']:.4f}", shortest, waits, why]
+
+
+def _excess(cost: float, bound: Mapping[str, object] | None) -> float | None:
+    value = None if bound is None else bound.get("value")
+    if not isinstance(value, int | float) or value < 0:
+        return None
+    if value == 0:
+        return 0.0 if cost == 0 else None
+    return cost / value - 1.0
+
+
+def _span(values: Sequence[float], unit: str) -> str:
+    if not values:
+        return "none"
+    return f"{values[0]:g} {unit}" if len(values) == 1 else f"{values[0]:g} to {values[-1]:g} {unit}"

@@ -1,0 +1,246 @@
+"""The commands about scenes: check, graph, random, scenes, warmup."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from taut.cli.options import JsonOption, SceneArgument
+from taut.cli.output import complain, progress, require_writable, say, say_facts, say_json, say_table
+from taut.cli.reports import say_scene, scene_report
+from taut.errors import NoPath
+
+if TYPE_CHECKING:
+    from taut.scene import Robot, Scene
+
+SCENES = (".yaml", ".yml", ".json", ".geojson")
+
+
+def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
+    """Check a scene: what is in it, what was united, and whether every robot can reach its goal."""
+    from taut.formats import load_scene
+    from taut.validation import validate
+
+    world = load_scene(scene)
+    notes = validate(world)
+    with progress("looking for paths"):
+        robots = _reach(world)
+    cut_off = [robot for robot in robots if robot["shortest"] is None]
+    if as_json:
+        say_json({"ok": not cut_off, **scene_report(world), "notes": list(notes), "reach": robots})
+    else:
+        say_scene(scene_report(world))
+        for note in notes:
+            say(f"note: {note}")
+        if robots:
+            say()
+            rows = [[r["name"], "no" if r["shortest"] is None else f"{r['shortest']:.4f}", r["reason"]] for r in robots]
+            heads = ["robot", "shortest (m)", "why not"]
+            keep = 3 if cut_off else 2
+            say_table(heads[:keep], [row[:keep] for row in rows], left=("robot", "why not"))
+    if cut_off:
+        complain(f"{len(cut_off)} of {len(robots)} robots cannot reach their goals, the first is {cut_off[0]['name']}")
+
+
+def graph(scene: SceneArgument, as_json: JsonOption = False) -> None:
+    """Count the visibility graph: vertices, edges, corners and parts for each size of robot."""
+    from taut.formats import load_scene
+    from taut.freespace import FreeSpace
+    from taut.roadmap import visibility_graph
+    from taut.validation import validate
+
+    world = load_scene(scene)
+    validate(world)
+    sizes: list[dict[str, Any]] = []
+    with progress("building the visibility graph"):
+        for growth in sorted({world.growth(robot) for robot in world.robots}) or [world.clearance]:
+            free = FreeSpace(world, growth)
+            team = [robot for robot in world.robots if world.growth(robot) == growth]
+            ends = _ends(team)
+            tangent, every = (visibility_graph(free, edges=kind, points=ends) for kind in ("tangent", "all"))
+            sizes.append(
+                {
+                    "growth": growth,
+                    "robots": len(team),
+                    "vertices": every.graph.n,
+                    "edges": every.graph.m,
+                    "corners": tangent.graph.n - len(ends),
+                    "tangent_edges": tangent.graph.m,
+                    "parts": free.parts,
+                    "area": free.area,
+                }
+            )
+        robots = _reach(world)
+    if as_json:
+        say_json({"scene": world.name, "sizes": sizes, "robots": robots})
+        return
+    heads = ["growth (m)", "robots", "vertices", "edges", "corners", "tangent edges", "parts", "free area (m²)"]
+    keys = ["robots", "vertices", "edges", "corners", "tangent_edges", "parts"]
+    rows = [[f"{s['growth']:g}", *(str(s[key]) for key in keys), f"{s['area']:.4f}"] for s in sizes]
+    say_table(heads, rows, left=())
+    if robots:
+        say()
+        lengths = [[r["name"], "no path" if r["shortest"] is None else f"{r['shortest']:.4f}"] for r in robots]
+        say_table(["robot", "shortest (m)"], lengths, left=("robot",))
+
+
+def random(
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="SCENE", help="Write the scene (.yaml, .json, .geojson).")
+    ] = None,
+    robots: Annotated[int, typer.Option(min=0, help="How many robots.")] = 10,
+    obstacles: Annotated[int, typer.Option(min=0, help="How many obstacles.")] = 20,
+    seed: Annotated[int, typer.Option(min=0, help="Same numbers and seed: same scene.")] = 0,
+    size: Annotated[str | None, typer.Option(metavar="S|W,H", help="Side, or width and height of the hall, m.")] = None,
+    density: Annotated[float | None, typer.Option(help="Share of the hall that obstacles cover.")] = None,
+    obstacle_size: Annotated[
+        str, typer.Option(metavar="D|D,D", help="Diameter of the obstacles or its range, m.")
+    ] = "1,4",
+    radius: Annotated[str, typer.Option(metavar="R|R,R", help="Radius of the robots or its range, m.")] = "0.3",
+    speed: Annotated[str, typer.Option(metavar="V|V,V", help="Speed of the robots or its range, m/s.")] = "1",
+    clearance: Annotated[float, typer.Option(help="Kept free from obstacles and wall, m.")] = 0.0,
+    gap: Annotated[float, typer.Option(help="Kept free between robots, m.")] = 0.05,
+    leave: Annotated[bool, typer.Option("--leave", help="Robots leave at their goals instead of staying.")] = False,
+    well_formed: Annotated[
+        bool, typer.Option("--well-formed", help="Every robot has a way past all other starts and goals.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a random scene; without --output print it."""
+    require_writable(output, "a scene", SCENES)
+    from taut.formats import save
+    from taut.generate import random_scene
+
+    with progress("making a scene"):
+        scene = random_scene(
+            robots,
+            obstacles,
+            seed,
+            size=None if size is None else _range(size, "--size"),
+            density=density,
+            obstacle_size=_range(obstacle_size, "--obstacle-size"),
+            radius=_range(radius, "--radius"),
+            speed=_range(speed, "--speed"),
+            clearance=clearance,
+            gap=gap,
+            at_goal="leave" if leave else "stay",
+            well_formed=well_formed,
+        )
+    if output is None:
+        _print_scene(scene, as_json)
+        return
+    save(scene, output)
+    if as_json:
+        say_json({**scene_report(scene), "files": [str(output)]})
+    else:
+        say_scene(scene_report(scene))
+        say(f"wrote {output}")
+
+
+def scenes(as_json: JsonOption = False) -> None:
+    """List the ready scenes."""
+    listed = _ready_scenes()
+    if as_json:
+        say_json({"scenes": [{"name": name, "about": about} for name, about in listed]})
+        return
+    say_facts(listed)
+
+
+def warmup(as_json: JsonOption = False) -> None:
+    """Compile the kernels once, so that the first plan does not wait for them."""
+    from taut.certificate import certify
+    from taut.freespace import FreeSpace
+    from taut.roadmap import visibility_graph
+    from taut.route import shortest_path
+    from taut.scene import Polygon, Robot, Scene
+    from taut.team import plan as plan_team
+
+    began = time.perf_counter()
+    wall = Polygon([(4, 3), (6, 3), (6, 7), (4, 7)])
+    robots = [Robot("R1", (1, 5), (9, 5), radius=0.3), Robot("R2", (9, 5.5), (1, 4.5), radius=0.3)]
+    tiny = Scene((0, 0, 10, 10), [wall], robots, gap=0.05)
+    with progress("compiling"):
+        certificate = certify(plan_team(tiny).plan)
+        free = FreeSpace.of(tiny, robots[0])
+        visibility_graph(free, edges="all", points=[robots[0].start])
+        shortest_path(free, robots[0].start, robots[0].goal)
+    elapsed = time.perf_counter() - began
+    if as_json:
+        say_json({"ok": certificate.ok, "elapsed": elapsed})
+    else:
+        say(f"ready: compiled, planned and certified a small scene in {elapsed:.2f} s")
+    if not certificate.ok:
+        complain("the plan of the small scene does not hold")
+
+
+def _reach(scene: Scene) -> list[dict[str, Any]]:
+    """Find the shortest length of every robot; None with the reason where it cannot reach its goal."""
+    from taut.freespace import FreeSpace
+    from taut.roadmap import VisibilityGraph, visibility_graph
+    from taut.route import shortest_routes
+
+    spaces: dict[float, tuple[FreeSpace, VisibilityGraph]] = {}
+    out: list[dict[str, Any]] = []
+    for robot in scene.robots:
+        growth = scene.growth(robot)
+        if growth not in spaces:
+            free = FreeSpace(scene, growth)
+            spaces[growth] = free, visibility_graph(free)
+        try:
+            route = shortest_routes(*spaces[growth], [robot.start], [robot.goal])[0]
+            out.append({"name": robot.name, "shortest": route.length, "reason": ""})
+        except NoPath as error:
+            out.append({"name": robot.name, "shortest": None, "reason": error.reason})
+    return out
+
+
+def _ends(robots: list[Robot]) -> list[tuple[float, float]]:
+    """List starts and goals, each place once: shared goals are one vertex."""
+    return list(dict.fromkeys(point for robot in robots for point in (robot.start, robot.goal)))
+
+
+def _range(text: str, option: str) -> float | tuple[float, float]:
+    """Read "3" or "1,4"."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    match numbers:
+        case [number]:
+            return number
+        case [low, high]:
+            return low, high
+        case _:
+            raise typer.BadParameter(f"must be a number or two with a comma between, got {text!r}", param_hint=option)
+
+
+def _print_scene(scene: Scene, as_json: bool) -> None:
+    from taut.formats import scene_to_dict
+
+    if as_json:
+        say_json(scene_to_dict(scene))
+        return
+    import yaml
+
+    print(yaml.safe_dump(scene_to_dict(scene), sort_keys=False, default_flow_style=None, width=120), end="")
+
+
+def _ready_scenes() -> list[tuple[str, str]]:
+    """Name and first sentence of every ready scene; the sentence stands in the comment at the head of its file."""
+    from importlib.resources import files
+
+    listed = []
+    for entry in sorted(files("taut.scenes").iterdir(), key=lambda entry: entry.name):
+        if not entry.name.endswith(".yaml"):
+            continue
+        words: list[str] = []
+        for line in entry.read_text(encoding="utf-8").splitlines():
+            if not line.startswith("#") or line.startswith("# Source"):
+                break
+            words += line.lstrip("# ").split()
+        about = " ".join(words).partition(". ")[0].rstrip(".")
+        listed.append((entry.name.removesuffix(".yaml"), about))
+    return listed

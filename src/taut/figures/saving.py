@@ -1,0 +1,104 @@
+"""Pictures as files and as bytes."""
+
+from __future__ import annotations
+
+import io
+import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+
+from taut.errors import OutputError
+from taut.figures.pictures import draw
+
+#: What each picture format must not contain, so that the same picture is the same file.
+NO_STAMPS: dict[str, dict[str, None]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+
+
+def save_figure(value: Any, path: str | os.PathLike[str], *, graph: Any = None) -> None:
+    """Draw a value (see `draw`) into a .png (200 dpi), .svg or .pdf file.
+
+    The same value gives the same bytes. The file is written beside its place and then renamed.
+
+    Raises
+    ------
+    OutputError
+        Another extension, or a place that cannot be written.
+    """
+    target = Path(path)
+    kind = check_kind(target, tuple(NO_STAMPS), "pictures are written as")
+    with replacing(target) as scratch:
+        scratch.write_bytes(_bytes(draw(value, graph=graph), kind, 200))
+
+
+def png_bytes(value: Any) -> bytes:
+    """Return the picture of a value (see `draw`) as a PNG of the size of a notebook."""
+    return _bytes(draw(value), "png", 110)
+
+
+def svg_text(value: Any) -> str:
+    """Return the picture of a value (see `draw`) as SVG."""
+    return _bytes(draw(value), "svg", 72).decode("utf-8")
+
+
+def check_kind(path: Path, kinds: tuple[str, ...], what: str) -> str:
+    """Return the lower-case extension of the path without its dot.
+
+    Raises
+    ------
+    OutputError
+        It is not one of `kinds`.
+    """
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in kinds:
+        names = ", ".join("." + k for k in kinds[:-1]) + f" or .{kinds[-1]}"
+        raise OutputError(f"{path}: {what} {names}, not {path.suffix or 'a file without extension'}")
+    return kind
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a scratch path beside `path` that becomes `path` at the end, or goes if anything fails.
+
+    Raises
+    ------
+    OutputError
+        The place cannot be written.
+    """
+    scratch = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        if path.is_dir():
+            raise OutputError(f"{path}: is a directory; give the name of a file")
+        yield scratch
+        os.replace(scratch, path)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        if os.path.lexists(scratch):
+            scratch.unlink()
+
+
+@contextmanager
+def any_letters() -> Iterator[None]:
+    """Let names hold letters that the font lacks: they are drawn as boxes, without a warning for each."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        yield
+
+
+def _bytes(axes: Axes, kind: str, dpi: int) -> bytes:
+    buffer = io.BytesIO()
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    with any_letters(), mpl.rc_context({"svg.hashsalt": "taut", "svg.fonttype": "path", "pdf.fonttype": 42}):
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata=NO_STAMPS[kind])
+    return buffer.getvalue()

@@ -1,0 +1,122 @@
+"""Loading and saving by file name; scenes that come with the package by their name."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from importlib import resources
+from pathlib import Path
+from typing import assert_never
+
+from taut.errors import OutputError, PlanError, SceneError
+from taut.formats import geojson, json_text, yaml_text
+from taut.formats._document import Document, one_line, read_text
+from taut.formats._write import write_text
+from taut.formats.convert import plan_of, plan_to_dict, scene_of, scene_to_dict
+from taut.motion import Plan
+from taut.scene import Scene
+
+_YAML = (".yaml", ".yml")
+
+
+def load_scene(path_or_name: str | os.PathLike[str]) -> Scene:
+    """Return the scene of a file, or a ready scene by its name.
+
+    Parameters
+    ----------
+    path_or_name : a .yaml, .yml (at most 16 MB), .json or .geojson file (at most 64 MB), or the name of a ready
+        scene such as "thesis-2".
+
+    Raises
+    ------
+    SceneError
+        No such file or name, or anything wrong in it: one line, with file and line number where there is one.
+    """
+    path = Path(path_or_name)
+    name = os.fspath(path_or_name)
+    if not name:
+        raise SceneError("no scene is named; give a file or the name of a ready scene")
+    if not os.path.isfile(name) and name in scene_names():
+        return scene_of(_ready(name))
+    if not os.path.exists(name):
+        raise SceneError(_unknown(name), one_line(name))
+    suffix = path.suffix.lower()
+    if suffix in _YAML:
+        return scene_of(yaml_text.parse_yaml(read_text(path, yaml_text.LIMIT), one_line(name)))
+    if suffix == ".json":
+        return scene_of(json_text.parse_json(read_text(path, json_text.LIMIT), one_line(name)))
+    if suffix == ".geojson":
+        return geojson.scene_of_geojson(json_text.parse_json(read_text(path, json_text.LIMIT), one_line(name)))
+    if path.is_dir():
+        raise SceneError("is a directory, not a file; name a file in it", one_line(name))
+    raise SceneError("unknown kind of file; a scene ends in .yaml, .yml, .json or .geojson", one_line(name))
+
+
+def load_plan(path: str | os.PathLike[str]) -> Plan:
+    """Return the plan of a .json file.
+
+    Raises
+    ------
+    PlanError
+        No such file, or anything wrong in it or in its scene: one line, with file and line number where there is one.
+    """
+    name = os.fspath(path)
+    try:
+        if not os.path.exists(name):
+            raise SceneError("does not exist", one_line(name))
+        if Path(path).suffix.lower() in (*_YAML, ".geojson"):
+            raise SceneError("unknown kind of file; a plan is a .json file", one_line(name))
+        document = json_text.parse_json(read_text(path, json_text.LIMIT), one_line(name))
+    except SceneError as error:
+        raise PlanError(error.message, error.file, error.line) from None
+    return plan_of(document)
+
+
+def save(value: Scene | Plan, path: str | os.PathLike[str]) -> None:
+    """Write a scene (.yaml, .yml, .json, .geojson) or a plan (.json), wholly or not at all; no digit is lost.
+
+    Raises
+    ------
+    OutputError
+        Another ending, an unwritable path, or a value that a file cannot hold.
+    """
+    suffix = Path(path).suffix.lower()
+    match value:
+        case Plan():
+            if suffix != ".json":
+                raise OutputError(f"{one_line(os.fspath(path))}: a plan is written as .json")
+            text = json_text.layout(plan_to_dict(value))
+        case Scene():
+            if suffix in _YAML:
+                text = yaml_text.scene_yaml(scene_to_dict(value))
+            elif suffix == ".json":
+                text = json_text.layout(scene_to_dict(value))
+            elif suffix == ".geojson":
+                text = json_text.layout(geojson.scene_to_geojson(value))
+            else:
+                endings = ".yaml, .yml, .json or .geojson"
+                raise OutputError(f"{one_line(os.fspath(path))}: a scene is written as {endings}")
+        case _:
+            assert_never(value)
+    write_text(path, text)
+
+
+def scene_names() -> tuple[str, ...]:
+    """Return the names of the ready scenes, sorted."""
+    folder = resources.files("taut") / "scenes"
+    if not folder.is_dir():
+        return ()
+    return tuple(sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".yaml")))
+
+
+def _ready(name: str) -> Document:
+    file = resources.files("taut") / "scenes" / f"{name}.yaml"
+    return yaml_text.parse_yaml(file.read_text(encoding="utf-8"), f"{name}.yaml")
+
+
+def _unknown(name: str) -> str:
+    names = scene_names()
+    close = difflib.get_close_matches(Path(name).stem[:100].lower(), names, 3, 0.5)
+    if close:
+        return f"does not exist; did you mean the ready scene {' or '.join(close)}?"
+    return f"does not exist; ready scenes are {', '.join(names)}" if names else "does not exist"

@@ -1,0 +1,1 @@
+"""The plane: predicates, growth, triangulation, seeing. Knows nothing of robots."""

@@ -1,0 +1,131 @@
+"""A polygonal region cut into triangles: arrays, wedges about its vertices, and which triangle holds a point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pythoncdt
+import shapely
+from numpy.typing import NDArray
+
+from taut.geometry import _kernels
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Constrained Delaunay triangulation of a region; every vertex lies on the region's boundary.
+
+    Two triangles are neighbours only across an edge in the interior of the region. Places where the region merely
+    touches itself therefore do not connect, which is the rule of what is allowed.
+
+    Parameters
+    ----------
+    vertices : (n, 2) metres.
+    triangles : (m, 3) vertex numbers, counter-clockwise.
+    neighbours : (m, 3) triangle across the edge from corner k to corner k + 1, −1 at the boundary.
+    parts : (m,) number of the connected part of each triangle, from 0.
+    part_count : how many parts there are.
+    wedges : (w, 5) the open sectors of the region about its vertices: vertex, first and last boundary neighbour
+        counter-clockwise, first triangle and the vertex' slot in it. A vertex where the region touches itself has several.
+    wedge_of : (m, 3) wedge of each corner of each triangle.
+    wedge_turns : (w,) +1 where the sector is wider than π (a corner, where shortest paths bend), 0 exactly π, −1 narrower.
+    vertex_start, vertex_wedges : CSR of the wedges of each vertex.
+    grid : frame, shape, start and items of the point-location grid.
+    """
+
+    vertices: Floats
+    triangles: Ints
+    neighbours: Ints
+    parts: Ints
+    part_count: int
+    wedges: Ints
+    wedge_of: Ints
+    wedge_turns: Ints
+    vertex_start: Ints
+    vertex_wedges: Ints
+    grid: tuple[Floats, Ints, Ints, Ints]
+
+    def locate(self, points: Floats) -> Ints:
+        """Triangle that contains each of (k, 2) points, boundary included and exactly; −1 outside."""
+        if self.triangles.shape[0] == 0:
+            return np.full(len(points), -1, dtype=np.int64)
+        return _kernels.locate(self.vertices, self.triangles, *self.grid, np.ascontiguousarray(points, dtype=np.float64))
+
+    def on_pinch(self, points: Floats) -> NDArray[np.bool_]:
+        """Whether each of (k, 2) points is a vertex where the region touches itself."""
+        pinches = self.vertices[np.diff(self.vertex_start) > 1]
+        return np.isin(points[:, 0] + 1j * points[:, 1], pinches[:, 0] + 1j * pinches[:, 1])
+
+
+def triangulate(region: shapely.Polygon | shapely.MultiPolygon) -> Triangulation:
+    """Cut a valid (multi)polygon into triangles; straight boundary vertices are dropped first.
+
+    Raises
+    ------
+    ValueError
+        The rings cross: the region is not valid.
+    """
+    vertices, edges = _outline(region)
+    if len(vertices) == 0:
+        return _tabulate(np.empty((0, 2)), np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
+    cdt = pythoncdt.Triangulation(
+        pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
+    )
+    cdt.insert_vertices(vertices)
+    try:
+        cdt.insert_edges(edges.astype(np.uint32))
+    except RuntimeError as error:
+        raise ValueError(f"the rings of the region cross: {error}") from None
+    cdt.erase_outer_triangles_and_holes()
+    rows = cdt.triangles_array()
+    triangles = rows["vertices"].astype(np.int64)
+    neighbours = rows["neighbors"].astype(np.int64)
+    neighbours[rows["neighbors"] == pythoncdt.NO_NEIGHBOR] = -1
+    return _tabulate(vertices, triangles, neighbours)
+
+
+def _outline(region: shapely.Polygon | shapely.MultiPolygon) -> tuple[Floats, Ints]:
+    """Distinct vertices of the region's rings and the edges between them, straight vertices left out."""
+    rings = shapely.get_rings(shapely.get_parts(region))
+    if len(rings) == 0:
+        return np.empty((0, 2)), np.empty((0, 2), dtype=np.int64)
+    xy, ring = shapely.get_coordinates(rings, return_index=True)
+    last = np.flatnonzero(np.append(np.diff(ring) > 0, True))
+    xy, ring = np.delete(xy, last, axis=0) + 0.0, np.delete(ring, last)
+    _, number = _distinct(xy)
+    shared = np.bincount(number)[number] > 1
+    start = np.searchsorted(ring, np.arange(len(rings) + 1)).astype(np.int64)
+    keep = ~_kernels.straight_corners(xy, start, shared)
+    xy, ring = xy[keep], ring[keep]
+    vertices, number = _distinct(xy)
+    start = np.searchsorted(ring, np.arange(len(rings)))
+    following = np.arange(1, len(xy) + 1)
+    ends = np.append(start[1:], len(xy))
+    filled = ends > start
+    following[ends[filled] - 1] = start[filled]
+    return vertices, np.stack([number, number[following]], axis=1).astype(np.int64)
+
+
+def _distinct(xy: Floats) -> tuple[Floats, Ints]:
+    keys, number = np.unique(xy[:, 0] + 1j * xy[:, 1], return_inverse=True)
+    return np.ascontiguousarray(np.stack([keys.real, keys.imag], axis=1)), number.astype(np.int64)
+
+
+def _tabulate(vertices: Floats, triangles: Ints, neighbours: Ints) -> Triangulation:
+    parts, part_count = _kernels.label_parts(neighbours)
+    fan, wedge_of = _kernels.wedges(triangles, neighbours)
+    order = np.argsort(fan[:, 0], kind="stable").astype(np.int64)
+    start = np.searchsorted(fan[order, 0], np.arange(len(vertices) + 1)).astype(np.int64)
+    grid = (
+        _kernels.location_grid(vertices, triangles)
+        if len(triangles)
+        else (np.zeros(3), np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    )
+    turns = _kernels.wedge_turns(vertices, fan)
+    return Triangulation(
+        vertices, triangles, neighbours, parts, part_count, fan, wedge_of, turns, start, order, grid
+    )

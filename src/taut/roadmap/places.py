@@ -1,0 +1,156 @@
+"""Places to wait and to dodge: a tangent graph enriched so that robots can let each other pass.
+
+A tangent roadmap alone has vertices only at corners; an empty hall has none. Here it is joined with a square lattice over
+the free space (16 directions), the middles of narrow passages and the dead ends of bays.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from taut.freespace import FreeSpace
+from taut.geometry.seeing import see_each_other, see_from
+from taut.geometry.triangulation import Floats, Ints, Triangulation
+from taut.graph import Graph
+from taut.roadmap.core import Roadmap
+from taut.roadmap.visibility import VisibilityGraph, visibility_graph
+
+# a square lattice has 16 directions when neighbours up to (2, 1) are joined; a little more also reaches places off the lattice
+_REACH = 2.3
+_MOST_LATTICE_PLACES = 8000
+
+
+@dataclass(frozen=True, eq=False)
+class PlacesRoadmap(Roadmap):
+    """Corners of a free space, then places; all tangent edges, and short edges between places and corners.
+
+    Parameters
+    ----------
+    freespace : where it lies.
+    tangents : the tangent graph of its corners alone.
+    triangles : (n,) a triangle of the mesh that contains each vertex.
+    spacing : metres between lattice places.
+    places : nearest-neighbour index of the places alone.
+    """
+
+    freespace: FreeSpace
+    tangents: VisibilityGraph
+    triangles: Ints
+    spacing: float
+    places: cKDTree
+
+    @property
+    def wedges(self) -> Ints:
+        """Number of each corner's wedge in the mesh, (c,); corners are the first c vertices."""
+        return self.tangents.wedges
+
+    @property
+    def reach(self) -> float:
+        """Greatest length in metres of the edges that join places."""
+        return _REACH * self.spacing
+
+
+def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
+    """Build the roadmap for robots that must keep their centres ``separation`` metres apart.
+
+    Lattice places are two separations apart, or farther where that would make more than 8,000 of them; with an
+    infinite separation there are none.
+    """
+    mesh = freespace.mesh
+    tangents = visibility_graph(freespace)
+    corners, wedges = tangents.positions, tangents.wedges
+    spacing = max(2.0 * separation, math.sqrt(freespace.area / _MOST_LATTICE_PLACES))
+    places, triangles = _places(mesh, spacing) if math.isfinite(spacing) else (np.empty((0, 2)), np.empty(0, np.int64))
+    positions = np.concatenate([corners, places])
+    holders = np.concatenate([mesh.wedges[wedges, 3], triangles])
+    pairs = [
+        tangents.edges,
+        _corner_place_pairs(mesh, wedges, places, triangles, _REACH * spacing),
+        len(wedges) + _place_pairs(mesh, places, triangles, _REACH * spacing),
+    ]
+    edges = np.concatenate(pairs)
+    lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
+    graph = Graph.from_edges(len(positions), edges[lengths > 0], lengths[lengths > 0])
+    return PlacesRoadmap(positions, graph, freespace, tangents, holders, spacing, cKDTree(places))
+
+
+def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:
+    """Lattice places, then middles of passages, middles of triangles and dead ends that no place nearby sees yet."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    columns, rows = (np.floor((high - low) / spacing).astype(np.int64) + 1).tolist()
+    first = (low + high) / 2 - spacing * (np.array([columns, rows]) - 1) / 2
+    x, y = np.meshgrid(first[0] + spacing * np.arange(columns), first[1] + spacing * np.arange(rows))
+    lattice = np.stack([x.ravel(), y.ravel()], axis=1)
+    triangles = mesh.locate(lattice)
+    places, triangles = lattice[triangles >= 0], triangles[triangles >= 0]
+    for candidates, near in (
+        (_dead_ends(mesh), 0.3),
+        (_passages(mesh), 0.6),
+        (mesh.vertices[mesh.triangles].mean(axis=1), 0.6),
+    ):
+        places, triangles = _add_unseen(mesh, places, triangles, candidates, near * spacing)
+    # a place where free space touches itself would let robots through
+    passable = ~mesh.on_pinch(places)
+    return places[passable], triangles[passable]
+
+
+def _passages(mesh: Triangulation) -> Floats:
+    """Middles of the edges inside free space."""
+    t, k = np.nonzero(mesh.neighbours >= 0)
+    half = t < mesh.neighbours[t, k]
+    a, b = mesh.triangles[t[half], k[half]], mesh.triangles[t[half], (k[half] + 1) % 3]
+    return np.asarray((mesh.vertices[a] + mesh.vertices[b]) / 2)
+
+
+def _dead_ends(mesh: Triangulation) -> Floats:
+    """Vertices at which the free space narrows to a point: the deepest places of bays."""
+    return mesh.vertices[mesh.wedges[mesh.wedge_turns < 0, 0]]
+
+
+def _add_unseen(
+    mesh: Triangulation, places: Floats, triangles: Ints, candidates: Floats, near: float
+) -> tuple[Floats, Ints]:
+    """Append the candidates whose nearest place is not both within ``near`` metres and in sight, thinned alike."""
+    holders = mesh.locate(candidates)
+    alone = holders >= 0
+    if len(places) and len(candidates):
+        away, nearest = cKDTree(places).query(candidates, distance_upper_bound=near)
+        doubtful = np.flatnonzero(alone & np.isfinite(away))
+        everything, holding = np.concatenate([places, candidates]), np.concatenate([triangles, holders])
+        seen = see_each_other(mesh, everything, holding, len(places) + doubtful, nearest[doubtful].astype(np.int64))
+        alone[doubtful[seen]] = False
+    candidates, holders = candidates[alone], holders[alone]
+    pairs = _pairs_within(candidates, near)
+    pairs = pairs[see_each_other(mesh, candidates, holders, pairs[:, 0].copy(), pairs[:, 1].copy())]
+    kept = np.ones(len(candidates), dtype=bool)
+    for earlier, later in pairs.tolist():
+        if kept[earlier]:
+            kept[later] = False
+    return np.concatenate([places, candidates[kept]]), np.concatenate([triangles, holders[kept]])
+
+
+def _pairs_within(points: Floats, reach: float) -> Ints:
+    """Pairs i < j of points at most ``reach`` metres apart, ordered by j, then i."""
+    if len(points) < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    pairs = cKDTree(points).query_pairs(reach, output_type="ndarray").astype(np.int64)
+    return pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))]
+
+
+def _corner_place_pairs(mesh: Triangulation, wedges: Ints, places: Floats, triangles: Ints, reach: float) -> Ints:
+    number = np.full(len(mesh.wedges), -1, dtype=np.int64)
+    number[wedges] = np.arange(len(wedges))
+    start, seen = see_from(mesh, places, triangles, mesh.wedge_turns >= 0, taut=True, reach=reach)
+    place = np.repeat(np.arange(len(places)), np.diff(start))
+    away = np.hypot(*(mesh.vertices[mesh.wedges[seen, 0]] - places[place]).T)
+    close = away <= reach
+    return np.stack([number[seen[close]], len(wedges) + place[close]], axis=1)
+
+
+def _place_pairs(mesh: Triangulation, places: Floats, triangles: Ints, reach: float) -> Ints:
+    pairs = _pairs_within(places, reach)
+    return pairs[see_each_other(mesh, places, triangles, pairs[:, 0].copy(), pairs[:, 1].copy())]

@@ -1,0 +1,1 @@
+"""Ready scenes, one YAML file each, loaded by name with `taut.load_scene`."""

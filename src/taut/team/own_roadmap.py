@@ -1,0 +1,128 @@
+"""A robot's own addition to the shared roadmap: its ends, stops along its shortest route, ways round others' ends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from taut.geometry.seeing import see_each_other, see_from
+from taut.roadmap import PlacesRoadmap
+from taut.route import Route
+from taut.scene import FloatArray
+from taut.team._kernels import Adjacency, Floats, Ints
+
+_NEIGHBOURS = 20
+_RING = 8
+
+
+@dataclass(frozen=True, eq=False)
+class OwnRoadmap:
+    """Vertices and edges that one robot has beyond the shared roadmap.
+
+    Parameters
+    ----------
+    positions : (k, 2) metres; first the start, then the goal.
+    edges : (e, 2) over the shared vertices 0 … n − 1 and these, n … n + k − 1.
+    lengths : (e,) metres.
+    """
+
+    positions: Floats
+    edges: Ints
+    lengths: Floats
+
+    def adjacency(self, shared: int) -> Adjacency:
+        """CSR over ``shared`` + k vertices."""
+        n = shared + len(self.positions)
+        tail = np.concatenate([self.edges[:, 0], self.edges[:, 1]])
+        head = np.concatenate([self.edges[:, 1], self.edges[:, 0]])
+        order = np.argsort(tail, kind="stable")
+        indptr = np.zeros(n + 1, dtype=np.int64)
+        np.cumsum(np.bincount(tail, minlength=n), out=indptr[1:])
+        return indptr, head[order], np.concatenate([self.lengths, self.lengths])[order]
+
+
+def own_roadmap(shared: PlacesRoadmap, routes: list[Route], around: Floats, distances: Floats) -> OwnRoadmap:
+    """Extend the shared roadmap for the robot that has the given routes.
+
+    Parameters
+    ----------
+    routes : ways from its start to its goal, the shortest first; it may rest anywhere along them, a spacing apart.
+    around : (j, 2) places of others that it may have to go round.
+    distances : (j,) metres that it keeps from each.
+    """
+    mesh = shared.freespace.mesh
+    n = len(shared.positions)
+    start, goal = routes[0].points[0], routes[0].points[-1]
+    points: list[FloatArray] = [np.stack([start, goal])]
+    chains: list[list[int]] = []
+    count = 2
+    for route in routes:
+        stops = _stops(route, shared.spacing)
+        points.append(stops)
+        chains.append([0, *range(count, count + len(stops)), 1])
+        count += len(stops)
+    points.append(_rings(around, distances))
+    xy, triangles = shared.freespace.anchor(np.concatenate(points[:-1]))
+    ring_triangles = mesh.locate(points[-1])
+    free = ring_triangles >= 0
+    xy = np.concatenate([xy, points[-1][free]])
+    triangles = np.concatenate([triangles, ring_triangles[free]])
+
+    pairs = [np.array([(a + n, b + n) for chain in chains for a, b in zip(chain, chain[1:], strict=False)])]
+    first, seen = see_from(mesh, xy[:2], triangles[:2], mesh.wedge_turns >= 0, taut=True)
+    number = np.full(len(mesh.wedges), -1, dtype=np.int64)
+    number[shared.wedges] = np.arange(len(shared.wedges))
+    pairs.append(np.stack([number[seen], n + np.repeat([0, 1], np.diff(first))], axis=1))
+    pairs.append(_near(shared, xy, triangles))
+    edges = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0).astype(np.int64)
+    xy[:2] = start, goal
+    everything = np.concatenate([shared.positions, xy])
+    lengths = np.hypot(*(everything[edges[:, 0]] - everything[edges[:, 1]]).T)
+    return OwnRoadmap(xy, edges[lengths > 0], lengths[lengths > 0])
+
+
+def _stops(route: Route, spacing: float) -> FloatArray:
+    """The bends of a route, and places in between at most ``spacing`` apart; without its ends."""
+    out = []
+    for a, b in zip(route.points[:-1], route.points[1:], strict=True):
+        length = math.hypot(*(b - a))
+        pieces = max(1, math.ceil(length / spacing)) if math.isfinite(spacing) else 1
+        out.append(a + (b - a) * (np.arange(pieces) / pieces)[:, None])
+    return np.concatenate(out)[1:] if out else np.empty((0, 2))
+
+
+def _rings(centres: Floats, distances: Floats) -> Floats:
+    """Corners of an octagon about each centre whose sides keep the distance."""
+    angle = 2 * math.pi * (np.arange(_RING) + 0.5) / _RING
+    unit = np.stack([np.cos(angle), np.sin(angle)], axis=1) * ((1 + 1e-9) / math.cos(math.pi / _RING))
+    return (centres[:, None] + distances[:, None, None] * unit).reshape(-1, 2)
+
+
+def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
+    """Pairs of own vertices with places nearby that they see, and with each other."""
+    if not math.isfinite(shared.spacing):
+        return np.empty((0, 2), dtype=np.int64)
+    n, mesh = len(shared.positions), shared.freespace.mesh
+    reach = shared.reach
+    away, place = shared.places.query(xy, k=_NEIGHBOURS, distance_upper_bound=reach)
+    # a bend where free space touches itself belongs to its route alone: other edges would let the robot through
+    own, column = np.nonzero(np.isfinite(away) & ~mesh.on_pinch(xy)[:, None])
+    pairs = [np.stack([place[own, column] + len(shared.wedges), n + own], axis=1).astype(np.int64)]
+    each_other = cKDTree(xy).query_pairs(0.7 * reach, output_type="ndarray").astype(np.int64)
+    pairs.append(n + each_other[~mesh.on_pinch(xy)[each_other].any(axis=1)])
+    candidates = np.concatenate(pairs)
+    everything = np.concatenate([shared.positions, xy])
+    holders = np.concatenate([shared.triangles, triangles])
+    # seen from the robot's own vertex, which may stand on a boundary
+    a, b = np.ascontiguousarray(candidates[:, 1]), np.ascontiguousarray(candidates[:, 0])
+    return candidates[see_each_other(mesh, everything, holders, a, b)]
+
+
+def close_to(route: Route, points: Floats, distances: Floats) -> Ints:
+    """Indices of the points nearer to the route than half as much again as their distances."""
+    line = shapely.linestrings(route.points if len(route.points) > 1 else np.repeat(route.points, 2, axis=0))
+    return np.flatnonzero(shapely.distance(line, shapely.points(points)) < 1.5 * distances)

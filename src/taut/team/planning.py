@@ -1,0 +1,137 @@
+"""From a Scene to a certified Plan."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from taut.certificate import Certificate, certify
+from taut.errors import NoPlanFound, SceneError
+from taut.motion import Plan
+from taut.scene import Scene
+from taut.team.detours import explain
+from taut.team.prioritized import MOST_ROUNDS, Round, plan_rounds
+from taut.team.world import World
+from taut.validation import validate
+
+Order = Literal["shortest", "longest", "given"]
+ORDERS: tuple[Order, ...] = ("shortest", "longest", "given")
+METHODS = ("prioritized",)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What planning gives.
+
+    Parameters
+    ----------
+    plan : the timed motions; it carries its certificate.
+    certificate : the proof.
+    notes : what was found remarkable in the scene.
+    shortest : (n,) metres, shortest length of each robot alone.
+    detours : per robot, why it is not shorter or earlier; "" if nothing delayed it.
+    """
+
+    plan: Plan
+    certificate: Certificate
+    notes: tuple[str, ...]
+    shortest: np.ndarray
+    detours: tuple[str, ...]
+
+
+def plan(
+    scene: Scene,
+    method: str = "prioritized",
+    order: Order = "shortest",
+    seed: int = 0,
+    rounds: int | None = None,
+    seconds: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Result:
+    """Plan the team and certify the plan.
+
+    Parameters
+    ----------
+    method : "prioritized": robots one after another, failed ones moved to the front and all planned anew.
+    order : who is planned first: "shortest" or "longest" way (by time), or as "given" in the scene.
+    seed : of the shuffles that break a cycle of orders; same input, seed and rounds give the same plan, bit for bit.
+    rounds : greatest number of passes over the team, 60 by default.
+    seconds : no new pass is begun after this time.
+    progress : called after each pass with its number and how many robots failed in it.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be planned as it is (see `taut.validation.validate`), or an option is unknown.
+    NoPath
+        Obstacles separate a robot's start and goal.
+    NoPlanFound
+        No pass got all robots through; names the robots in the way, place and time.
+    """
+    began = time.monotonic()
+    if method not in METHODS:
+        raise SceneError(f"method {method!r} is not one of {', '.join(METHODS)}")
+    if order not in ORDERS:
+        raise SceneError(f"order {order!r} is not one of {', '.join(ORDERS)}")
+    most = MOST_ROUNDS if rounds is None else rounds
+    if most < 1:
+        raise SceneError(f"rounds must be at least 1, got {rounds}")
+    if seconds is not None and not seconds > 0:
+        raise SceneError(f"seconds must be positive, got {seconds}")
+    notes = validate(scene)
+    if not scene.robots:
+        raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
+    world = World(scene)
+    shortest = np.array([route.length for route in world.routes])
+    until = math.inf if seconds is None else began + seconds
+    best, done = plan_rounds(world, _first_order(scene, shortest, order), np.random.default_rng(seed), most, until, progress)
+    if best.failures:
+        raise _no_plan(scene, best, done)
+    found = [t for t in best.trajectories if t is not None]
+    starts = np.array([r.start_time for r in scene.robots])
+    speeds = np.array([r.speed for r in scene.robots])
+    planner = {
+        "method": method,
+        "order": [scene.robots[i].name for i in best.order],
+        "seed": seed,
+        "rounds": done,
+        "seconds": round(time.monotonic() - began, 3),
+    }
+    bound = {"model": "plane", "value": float((shortest / speeds).sum())}
+    draft = Plan(scene, tuple(found), planner, {}, bound)
+    certificate = certify(draft)
+    final = Plan(scene, draft.trajectories, planner, {}, bound, certificate.as_dict())
+    return Result(final, certificate, notes, shortest, explain(world, draft, starts + shortest / speeds))
+
+
+def _first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:
+    seconds = shortest / np.array([r.speed for r in scene.robots])
+    if order == "given":
+        return list(range(len(seconds)))
+    return np.argsort(seconds if order == "shortest" else -seconds, kind="stable").tolist()
+
+
+def _no_plan(scene: Scene, best: Round, done: int) -> NoPlanFound:
+    failure = best.failures[0]
+    names = [scene.robots[j].name for j in failure.blockers]
+    x, y = failure.place
+    way = f"; in its way: {_listed(names)}" if names else ""
+    others = f" ({len(best.failures)} robots failed in the best round)" if len(best.failures) > 1 else ""
+    robot = scene.robots[failure.robot].name
+    return NoPlanFound(
+        f"no plan found in {done} round{'s' if done > 1 else ''}: robot {robot} gets no further than "
+        f"({x:.2f}, {y:.2f}) at t = {failure.time:.2f} s{way}{others}",
+        (robot, *names),
+        failure.time,
+        failure.place,
+    )
+
+
+def _listed(names: list[str], most: int = 5) -> str:
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

@@ -1,0 +1,193 @@
+"""Prioritized planning: robots one after another, each avoiding those before it; failed robots move to the front.
+
+Complexity: one safe-interval search for each robot and round.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from taut.motion import Trajectory
+from taut.scene import Scene
+from taut.team import _kernels
+from taut.team._kernels import Ints
+from taut.team.reservations import Reservations
+from taut.team.world import World
+
+MOST_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A robot that found no way, with where and when it got no further and who was in its way."""
+
+    robot: int
+    place: tuple[float, float]
+    time: float
+    blockers: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One pass over the team.
+
+    Parameters
+    ----------
+    order : robots in the sequence in which they were planned.
+    trajectories : per robot of the scene, None where it failed.
+    failures : in the order in which they happened.
+    """
+
+    order: tuple[int, ...]
+    trajectories: tuple[Trajectory | None, ...]
+    failures: tuple[Failure, ...]
+
+
+def plan_in_order(world: World, order: Sequence[int], hold: float) -> Round:
+    """Plan each robot in turn; the starts of those still to come are held for ``hold`` seconds (inf: until planned)."""
+    scene = world.scene
+    reservations = Reservations(scene, world.cell)
+    for i in order:
+        reservations.hold_start(i, scene.robots[i].start_time + hold)
+    trajectories: list[Trajectory | None] = [None] * len(scene.robots)
+    failures = []
+    for i in order:
+        motion = plan_robot(world, i, reservations)
+        if isinstance(motion, Failure):
+            failures.append(motion)
+        else:
+            trajectories[i] = motion
+            reservations.take(i, motion)
+    return Round(tuple(order), tuple(trajectories), tuple(failures))
+
+
+def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory | Failure:
+    """Earliest arrival of one robot among the reservations, on its roadmap."""
+    scene, robot = world.scene, world.scene.robots[i]
+    if robot.start == robot.goal:
+        return _stand(world, i, reservations)
+    shared, own = world.shared(i), world.own(i)
+    n = len(shared.positions)
+    graph = shared.graph
+    positions = np.concatenate([shared.positions, own.positions])
+    found, vertices, arrive, depart, stuck, when, _ = _kernels.safe_interval_search(
+        (graph.indptr, graph.indices, graph.weights),
+        own.adjacency(n),
+        positions,
+        reservations.arrays,
+        i,
+        world.body(i),
+        robot.speed,
+        robot.start_time,
+        scene.stays(robot),
+        n,
+        n + 1,
+    )
+    if not found:
+        place = positions[stuck]
+        return Failure(i, (float(place[0]), float(place[1])), float(when), _in_the_way(world, i, stuck, when, reservations))
+    return Trajectory(robot.name, _stamps(positions[vertices], arrive, depart))
+
+
+def rounds(world: World, order: Sequence[int], rng: np.random.Generator) -> Iterator[Round]:
+    """Yield passes until one has no failure: failed robots first, starts held longer, then the well-formed way.
+
+    Holding starts for ever fails in dense maps, not at all fails where a robot cannot leave in time: so the hold grows.
+    Every eighth pass holds them for ever and gives each robot a route that avoids all other starts and goals; in a
+    well-formed scene, where all robots have one, that pass cannot fail.
+    """
+    order = tuple(order)
+    tried = set()
+    for number in itertools.count():
+        well_formed = number % 8 == 7
+        if well_formed:
+            world.avoid_all_ends()
+        hold = np.inf if well_formed else world.moment * 2.0 ** (number % 8)
+        if (order, hold) in tried:
+            order = tuple(int(i) for i in rng.permutation(order))
+        tried.add((order, hold))
+        result = plan_in_order(world, order, hold)
+        yield result
+        failed = [f.robot for f in result.failures]
+        if not failed:
+            return
+        order = (*failed, *(i for i in order if i not in set(failed)))
+
+
+def plan_rounds(
+    world: World,
+    order: Sequence[int],
+    rng: np.random.Generator,
+    most: int,
+    until: float,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Round, int]:
+    """Return the first round without failure, or the one with fewest, and the number of rounds done."""
+    best = None
+    done = 0
+    for result in itertools.islice(rounds(world, order, rng), most):
+        done += 1
+        if best is None or len(result.failures) < len(best.failures):
+            best = result
+        if progress is not None:
+            progress(done, len(result.failures))
+        if not result.failures or time.monotonic() > until:
+            break
+    assert best is not None
+    return best, done
+
+
+def _stand(world: World, i: int, reservations: Reservations) -> Trajectory | Failure:
+    """A robot that is at its goal already: it stays, or is gone at once."""
+    robot = world.scene.robots[i]
+    rest = Trajectory(robot.name, np.array([[0.0, *robot.start]]))
+    if not world.scene.stays(robot):
+        return rest
+    passers = _passers(world, i, robot.start, reservations)
+    if len(passers):
+        return Failure(i, robot.start, 0.0, tuple(passers))
+    return rest
+
+
+def _stamps(points: np.ndarray, arrive: np.ndarray, depart: np.ndarray) -> np.ndarray:
+    rows = [(0.0, *points[0])]
+    for k in range(len(points)):
+        for t in (arrive[k], depart[k]):
+            if t > rows[-1][0]:
+                rows.append((t, *points[k]))
+    return np.array(rows)
+
+
+def _passers(world: World, i: int, place: Sequence[float], reservations: Reservations) -> list[int]:
+    """Robots that come too near to a place at any time."""
+    points = np.array([place, place], dtype=np.float64)
+    legs, _ = _kernels.blockers(points, np.array([1e300]), np.array([0.0]), reservations.arrays, i, world.body(i))
+    return sorted(set(reservations.arrays[1][legs].tolist()))
+
+
+def _in_the_way(world: World, i: int, stuck: int, when: float, reservations: Reservations) -> tuple[int, ...]:
+    """Robots that hold the goal, or that pass where the search got no further, after it got there."""
+    scene, robot = world.scene, world.scene.robots[i]
+    shared, own = world.shared(i), world.own(i)
+    legs, robots, _, *_ = reservations.arrays
+    here = (shared.positions[stuck] if stuck < len(shared.positions) else own.positions[stuck - len(shared.positions)])
+    near = []
+    for place, since in ((here, when), (np.array(robot.goal), 0.0)):
+        away = np.hypot(*(_closest(legs, place) - place).T)
+        need = np.array([scene.separation(robot, scene.robots[j]) if j >= 0 else -1.0 for j in robots])
+        reach = need + (shared.reach if place is here and np.isfinite(shared.reach) else 0.0)
+        near += robots[(away < reach) & (legs[:, 5] >= since) & (robots != i) & (robots >= 0)].tolist()
+    return tuple(sorted(set(near)))
+
+
+def _closest(legs: np.ndarray, place: np.ndarray) -> np.ndarray:
+    a, b = legs[:, 0:2], legs[:, 3:5]
+    e = b - a
+    square = (e * e).sum(axis=1)
+    f = np.clip(((place - a) * e).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
+    return a + f[:, None] * e

@@ -1,0 +1,101 @@
+"""Reservations: what planned robots have taken of space and time, and the starts of those not planned yet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from taut.motion import Trajectory
+from taut.scene import Scene
+from taut.team import _kernels
+from taut.team._kernels import Floats, Ints, Reserved
+
+NOBODY = -1
+
+
+class Reservations:
+    """The legs of planned robots in a grid over the workspace; grows as robots are planned.
+
+    Parameters
+    ----------
+    scene : for the robots' radii, and what they do at their goals.
+    cell : metres, side of a grid cell.
+    """
+
+    def __init__(self, scene: Scene, cell: float) -> None:
+        corners = np.array([*scene.workspace, *(r.start for r in scene.robots), *(r.goal for r in scene.robots)])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        radii = sorted(r.radius for r in scene.robots)[-2:]
+        self._scene = scene
+        self._reach = sum(radii) + scene.gap + scene.tol
+        # at most about a million cells, however small the robots are
+        cell = max(cell, self._reach, float((high - low).max()) / 1000.0)
+        self._frame: Floats = np.array([low[0], low[1], cell])
+        self._shape: Ints = np.floor((high - low) / cell).astype(np.int64) + 1
+        self._head: Ints = np.full(int(self._shape.prod()), -1, dtype=np.int64)
+        self._entry: Ints = np.empty(1024, dtype=np.int64)
+        self._following: Ints = np.empty(1024, dtype=np.int64)
+        self._entries = 0
+        self._legs: Floats = np.empty((256, 6))
+        self._robot: Ints = np.empty(256, dtype=np.int64)
+        self._radius: Floats = np.empty(256)
+        self._count = 0
+
+    @property
+    def arrays(self) -> Reserved:
+        """The arrays that the kernels read."""
+        n = self._count
+        return (
+            self._legs[:n],
+            self._robot[:n],
+            self._radius[:n],
+            self._head,
+            self._entry,
+            self._following,
+            self._frame,
+            self._shape,
+        )
+
+    def hold_start(self, robot: int, until: float) -> None:
+        """Reserve a robot's start from 0 until it is planned, at most until the given time."""
+        x, y = self._scene.robots[robot].start
+        self._enter(robot, np.array([[x, y, 0.0, x, y, until]]))
+
+    def take(self, robot: int, trajectory: Trajectory) -> None:
+        """Reserve a planned motion; it replaces the hold on the robot's start."""
+        held = np.flatnonzero(self._robot[: self._count] == robot)
+        self._legs[held, 5] = -1.0
+        self._robot[held] = NOBODY
+        stamps = trajectory.stamps
+        t, x, y = stamps.T
+        legs = np.stack([x[:-1], y[:-1], t[:-1], x[1:], y[1:], t[1:]], axis=1)
+        if self._scene.stays(self._scene.robots[robot]):
+            legs = np.concatenate([legs, [[x[-1], y[-1], t[-1], x[-1], y[-1], math.inf]]])
+        else:
+            legs = legs[legs[:, 2] < trajectory.arrival]
+        self._enter(robot, legs)
+
+    def _enter(self, robot: int, legs: Floats) -> None:
+        first, last = self._count, self._count + len(legs)
+        if last > len(self._robot):
+            size = 2 * last
+            self._legs = np.concatenate([self._legs[:first], np.empty((size - first, 6))])
+            self._robot = np.concatenate([self._robot[:first], np.empty(size - first, dtype=np.int64)])
+            self._radius = np.concatenate([self._radius[:first], np.empty(size - first)])
+        self._legs[first:last] = legs
+        self._robot[first:last] = robot
+        self._radius[first:last] = self._scene.robots[robot].radius
+        self._count = last
+        self._entry, self._following, self._entries = _kernels.enter_legs(
+            self._legs,
+            first,
+            last,
+            self._reach,
+            self._frame,
+            self._shape,
+            self._head,
+            self._entry,
+            self._following,
+            self._entries,
+        )
