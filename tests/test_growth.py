@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from taut.errors import SceneError, TautError
-from taut.geometry import growth as room
+from taut.geometry import overlay
 from taut.geometry.growth import free_region, grown
 from taut.scene import Circle, FloatArray, Line, Obstacle, Polygon, Rectangle, Scene
 
@@ -160,7 +160,7 @@ def test_mitres_are_capped_at_twice_the_growth(name: str) -> None:
 
 @pytest.mark.parametrize("name", AWKWARD)
 def test_rounded_grid_keeps_every_promise(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "_faithful", lambda *_: False)
+    monkeypatch.setattr(overlay, "_faithful", lambda *_: False)
     check(AWKWARD[name], 0.3)
 
 
@@ -181,10 +181,11 @@ def test_area_lies_between_exact_offsets(name: str) -> None:
     assert area(1 + 1.1 * arc_error, 256) - 1e-9 <= exact <= area(1.0, 256) + 2e-4
 
 
-def stars(scale: float, tight: bool) -> st.SearchStrategy[Obstacle]:
+def stars(scale: float, tight: bool, noise: float = 0.0) -> st.SearchStrategy[Obstacle]:
     def number(low: float, high: float) -> st.SearchStrategy[float]:
-        if tight:  # a coarse lattice, where everything meets everything exactly
-            return st.integers(math.ceil(low), math.floor(high)).map(lambda k: k * scale)
+        if tight:  # a coarse lattice, where everything meets everything, exactly or nearly
+            place = st.integers(math.ceil(low), math.floor(high))
+            return st.builds(lambda k, j: (k + j * noise) * scale, place, st.integers(-3, 3))
         return st.floats(low, high).map(lambda v: v * scale)
 
     point = st.tuples(number(-1, 11), number(-1, 11))
@@ -202,7 +203,8 @@ def stars(scale: float, tight: bool) -> st.SearchStrategy[Obstacle]:
 @settings(deadline=None, max_examples=60)
 @given(st.data(), st.sampled_from([1e-9, 1.0, 1e6]), st.booleans(), st.sampled_from([0.0, 0.01, 0.25, 0.5, 1.0]))
 def test_random_scenes_keep_every_promise(data: st.DataObject, scale: float, tight: bool, growth: float) -> None:
-    obstacles = data.draw(st.lists(stars(scale, tight), max_size=7))
+    noise = data.draw(st.sampled_from([0.0, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10]))
+    obstacles = data.draw(st.lists(stars(scale, tight, noise), max_size=7))
     walls = data.draw(st.sampled_from([SQUARE, L_ROOM, L_ROOM[::-1], COMB]))
     arc_error = data.draw(st.sampled_from([1e-3, 1e-2, 1e-4]))
     check(Scene(np.array(walls) * scale, obstacles), growth * scale, arc_error)
@@ -351,12 +353,17 @@ def test_a_wall_thinner_than_rounding_still_stands() -> None:
     assert len(shapely.get_parts(free_region(scene, 0.0))) == 2
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-200, 1e-30, 1e-16, 1e-13])
+def test_faces_are_not_lost_where_edges_nearly_coincide(off: float) -> None:
+    check(Scene(COMB, [Line([(0, 0), (4, 0), (0, 6), (0, 10), (off, 2)], 0.5)]), 1.0)
+
+
 def test_moved_vertices_are_noticed() -> None:
     sources = np.array([shapely.box(0, 0, 4, 4), shapely.box(1, 1, 2, 2)])
     good = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)], [[(1, 1), (2, 1), (2, 1.5), (2, 2), (1, 2)]])
     bad = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)], [[(1, 1), (2, 1), (2 + 1e-9, 1.5), (2, 2), (1, 2)]])
-    assert room._faithful(good, sources, 1e-12)
-    assert not room._faithful(bad, sources, 1e-12)
+    assert overlay._faithful(good, sources, 1e-11)
+    assert not overlay._faithful(bad, sources, 1e-11)
 
 
 def test_order_and_direction_of_input_do_not_matter() -> None:

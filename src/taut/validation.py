@@ -20,6 +20,8 @@ IntArray = NDArray[np.int64]
 # products of four coordinates must not overflow in the exact predicates
 _LARGEST = 1e70
 _NAMED = 5
+# so many of the largest obstacles that might hold another are tried; more matters only in heaps of thousands
+_HOLDERS = 16
 
 
 def validate(scene: Scene) -> tuple[str, ...]:
@@ -291,11 +293,11 @@ def _notes(scene: Scene, ground: _Ground, tol: float) -> tuple[str, ...]:
         count, into = int(sizes[sizes > 1].sum()), int((sizes > 1).sum())
         which = _list(["+".join(names[k] for k in g[:_NAMED]) + "+…" * (len(g) > _NAMED) for g in groups], into)
         notes.append(f"{count} obstacles overlap or touch and count as {into}: {which}")
-    for members, text in ((inside, "inside another"), (over, "partly outside the workspace"), (outside, "outside it")):
+    where = ("inside another", "partly outside the workspace", "outside the workspace")
+    for members, text in zip((inside, over, outside), where, strict=True):
         if members.any():
             count = int(members.sum())
             which = _list([names[k] for k in np.flatnonzero(members)[:_NAMED]], count)
-            text = "outside the workspace" if text == "outside it" else text
             notes.append(f"{count} obstacle{'s lie' if count > 1 else ' lies'} {text}: {which}")
     return tuple(notes)
 
@@ -304,16 +306,11 @@ def _beyond_workspace(ground: _Ground) -> tuple[NDArray[np.bool_], NDArray[np.bo
     """Return which obstacles lie outside the workspace, and which partly."""
     within = shapely.covers(ground.workspace, ground.cores)
     meets = shapely.intersects(ground.workspace, ground.cores)
-    round_ones = ground.radii > 0
-    reaches_wall = np.zeros(len(within), dtype=bool)
-    reaches_wall[round_ones] = shapely.dwithin(ground.wall, ground.cores[round_ones], ground.radii[round_ones])
-    touches = (
-        shapely.distance(ground.wall, ground.cores[round_ones & reaches_wall])
-        >= ground.radii[round_ones & reaches_wall]
-    )
-    reaches_wall[round_ones & reaches_wall] = ~touches
-    only_touching = ~round_ones & meets & ~within
-    meets[only_touching] = ~shapely.touches(ground.workspace, ground.cores[only_touching])
+    reaches_wall = (ground.radii > 0) & shapely.dwithin(ground.wall, ground.cores, ground.radii)
+    near = np.flatnonzero(reaches_wall)  # dwithin takes touching for reaching, and is fast
+    reaches_wall[near] = shapely.distance(ground.wall, ground.cores[near]) < ground.radii[near]
+    crossing = np.flatnonzero((ground.radii == 0) & meets & ~within)
+    meets[crossing] = ~shapely.touches(ground.workspace, ground.cores[crossing])
     outside = ~meets & ~reaches_wall
     return outside, ~outside & ~(within & ~reaches_wall)
 
@@ -357,7 +354,7 @@ def _held(ground: _Ground, outer: IntArray, inner: IntArray) -> NDArray[np.bool_
     order = np.lexsort((-size[outer], inner))  # the largest first: in a heap nearly all lie in it
     outer, inner = outer[order], inner[order]
     held = np.zeros(len(size), dtype=bool)
-    while inner.size:
+    for _ in range(_HOLDERS):
         _, turn = np.unique(inner, return_index=True)
         big, small = outer[turn], inner[turn]
         holds = _holds(ground, big, small)

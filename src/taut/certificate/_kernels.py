@@ -61,10 +61,10 @@ def _between_segments(
 
 
 @njit(cache=True, nogil=True)
-def _inside(px: float, py: float, edges: Floats, lo: int, hi: int) -> bool:
-    """Whether p is inside the rings made of edges[lo:hi] (even-odd); right unless p is within rounding of an edge."""
+def _inside(px: float, py: float, edges: Floats) -> bool:
+    """Whether p is inside the rings made of the edges (even-odd); right unless p is within rounding of an edge."""
     inside = False
-    for k in range(lo, hi):
+    for k in range(edges.shape[0]):
         y0, y1 = edges[k, 1], edges[k, 3]
         if (y0 > py) != (y1 > py):
             x0 = edges[k, 0]
@@ -74,19 +74,19 @@ def _inside(px: float, py: float, edges: Floats, lo: int, hi: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _to_edges(px: float, py: float, edges: Floats, lo: int, hi: int) -> float:
+def _to_edges(px: float, py: float, edges: Floats) -> float:
     best = np.inf
-    for k in range(lo, hi):
+    for k in range(edges.shape[0]):
         d2 = _to_segment(px, py, edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3])[0]
         best = min(best, d2)
     return float(np.sqrt(best))
 
 
 @njit(cache=True, nogil=True)
-def _within(edges: Floats, lo: int, hi: int, x0: float, y0: float, x1: float, y1: float) -> Floats:
-    """Those of edges[lo:hi] whose bounds meet the box, (k, 4)."""
+def _within(edges: Floats, x0: float, y0: float, x1: float, y1: float) -> Floats:
+    """Those edges whose bounds meet the box, (k, 4)."""
     count = 0
-    for k in range(lo, hi):
+    for k in range(edges.shape[0]):
         cy, dy = edges[k, 1], edges[k, 3]
         if min(cy, dy) <= y1 and max(cy, dy) >= y0:
             cx, dx = edges[k, 0], edges[k, 2]
@@ -94,7 +94,7 @@ def _within(edges: Floats, lo: int, hi: int, x0: float, y0: float, x1: float, y1
                 count += 1
     out = np.empty((count, 4), dtype=np.float64)
     count = 0
-    for k in range(lo, hi):
+    for k in range(edges.shape[0]):
         cx, cy, dx, dy = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
         if min(cy, dy) <= y1 and max(cy, dy) >= y0 and min(cx, dx) <= x1 and max(cx, dx) >= x0:
             out[count, 0], out[count, 1], out[count, 2], out[count, 3] = cx, cy, dx, dy
@@ -146,19 +146,18 @@ def _splits(ax: float, ay: float, bx: float, by: float, edges: Floats, reach: fl
 
 @njit(cache=True, nogil=True)
 def _deepest(
-    ax: float, ay: float, bx: float, by: float, edges: Floats, lo: int, hi: int, forbidden: bool, tol: float,
+    ax: float, ay: float, bx: float, by: float, edges: Floats, forbidden: bool, tol: float,
     floor: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Greatest depth (> floor ≥ tol) of the leg ab in a forbidden region, and where on ab; (0, 0) if nowhere so deep.
 
-    The region is the inside (``forbidden`` true) or the outside (false) of the rings edges[lo:hi]. Depth is the
+    The region is the inside (``forbidden`` true) or the outside (false) of the rings made of the edges. Depth is the
     distance to the rings. Branch and bound: on a part of the leg the depth is at most the mean of its ends plus half
     the length (it is 1-Lipschitz), and at most the larger end distance to any single edge (that is convex).
     """
     length = np.hypot(bx - ax, by - ay)
     x0, x1, y0, y1 = min(ax, bx) - tol, max(ax, bx) + tol, min(ay, by) - tol, max(ay, by) + tol
-    beside = _within(edges, lo, hi, x0, y0, np.inf, y1)  # all that a ray to the right from the leg can meet
-    zero, sides = np.int64(0), beside.shape[0]
+    beside = _within(edges, x0, y0, np.inf, y1)  # all that a ray to the right from the leg can meet
     splits = _splits(ax, ay, bx, by, beside, tol)
     best, at = floor, -1.0
     close = edges[:0]  # all that can be nearest to a place on the leg; gathered when first needed
@@ -172,12 +171,12 @@ def _deepest(
         for q in range(5):
             s = s0 + (s1 - s0) * q / 4
             px, py = ax + s * (bx - ax), ay + s * (by - ay)
-            if (splits.size == 2 or 0 < q < 4) and _inside(px, py, beside, zero, sides) == forbidden:
+            if (splits.size == 2 or 0 < q < 4) and _inside(px, py, beside) == forbidden:
                 touched = True
                 if close.shape[0] == 0:
-                    reach = _to_edges(px, py, edges, lo, hi) + length + tol
-                    close = _within(edges, lo, hi, x0 - reach, y0 - reach, x1 + reach, y1 + reach)
-                d = _to_edges(px, py, close, zero, close.shape[0])
+                    reach = _to_edges(px, py, edges) + length + tol
+                    close = _within(edges, x0 - reach, y0 - reach, x1 + reach, y1 + reach)
+                d = _to_edges(px, py, close)
                 if d > best:
                     best, at = d, s
             elif splits.size == 2:
@@ -204,8 +203,8 @@ def _deepest(
                 continue
             s = (s0 + s1) / 2
             px, py = ax + s * (bx - ax), ay + s * (by - ay)
-            d = _to_edges(px, py, close, zero, close.shape[0])
-            if _inside(px, py, beside, zero, sides) == forbidden:
+            d = _to_edges(px, py, close)
+            if _inside(px, py, beside) == forbidden:
                 if d > best:
                     best, at = d, s
             elif d >= span / 2:
@@ -221,14 +220,12 @@ def _deepest(
 
 @njit(cache=True, nogil=True)
 def deepest_legs(
-    x: Floats, y: Floats, first: Ints, robots: Ints, edges: Floats, tol: float
+    x: Floats, y: Floats, first: Ints, robots: Ints, edges: Floats, forbidden: bool, tol: float
 ) -> tuple[Floats, Ints, Floats]:
-    """Greatest depth of each chosen robot's path outside the rings ``edges`` (E, 4): depth, stamp index, place on leg.
+    """Greatest depth of each chosen robot's path in a region: depth (0 up to tol), stamp index, place on the leg.
 
-    Depths up to tol are 0.
+    The region is the inside (``forbidden`` true) or the outside (false) of the rings made of ``edges`` (E, 4).
     """
-    # typed, for a bare 0 or False would be a type of its own and compile everything below once more
-    zero, outside = np.int64(0), np.bool_(False)
     depth = np.zeros(robots.size, dtype=np.float64)
     leg = np.zeros(robots.size, dtype=np.int64)
     where = np.zeros(robots.size, dtype=np.float64)
@@ -236,7 +233,7 @@ def deepest_legs(
         start, end = first[robots[n]], first[robots[n] + 1]
         for a in range(start, max(start + 1, end - 1)):
             b = min(a + 1, end - 1)
-            d, s = _deepest(x[a], y[a], x[b], y[b], edges, zero, edges.shape[0], outside, tol, max(tol, depth[n]))
+            d, s = _deepest(x[a], y[a], x[b], y[b], edges, forbidden, tol, max(tol, depth[n]))
             if d > depth[n]:
                 depth[n], leg[n], where[n] = d, a, s
     return depth, leg, where
@@ -294,8 +291,8 @@ def least_clearances(
                 d = np.sqrt(d2) - own_radius[o]
                 if apart == 0.0 and kind[o] != OPEN:
                     forbidden = kind[o] == FILLED
-                    if d <= tol or _inside(ax, ay, edges, lo, hi) == forbidden:
-                        depth, s = _deepest(ax, ay, bx, by, edges, lo, hi, forbidden, tol, max(tol, -value[r]))
+                    if d <= tol or _inside(ax, ay, edges[lo:hi]) == forbidden:
+                        depth, s = _deepest(ax, ay, bx, by, edges[lo:hi], forbidden, tol, max(tol, -value[r]))
                         if depth > 0.0:
                             d, at = -depth, s
                 if d < value[r]:
@@ -308,9 +305,9 @@ def signed_distances(px: float, py: float, edges: Floats, edge_first: Ints, own_
     """Signed distance of one point to every shape, (m,) metres; the shapes as in `least_clearances`."""
     out = np.empty(kind.size, dtype=np.float64)
     for o in range(kind.size):
-        lo, hi = edge_first[o], edge_first[o + 1]
-        d = _to_edges(px, py, edges, lo, hi)
-        if kind[o] != OPEN and _inside(px, py, edges, lo, hi) == (kind[o] == FILLED):
+        own = edges[edge_first[o] : edge_first[o + 1]]
+        d = _to_edges(px, py, own)
+        if kind[o] != OPEN and _inside(px, py, own) == (kind[o] == FILLED):
             d = -d
         out[o] = d - own_radius[o]
     return out
@@ -425,12 +422,6 @@ def _pair_headway(
 
 
 @njit(cache=True, nogil=True)
-def _record(pairs: Ints, rows: Floats, at: int, i: int, j: int, free: float, when: float, other: float) -> None:
-    pairs[at, 0], pairs[at, 1] = i, j
-    rows[at, 0], rows[at, 1], rows[at, 2] = free, when, other
-
-
-@njit(cache=True, nogil=True)
 def least_separations(
     t: Floats, x: Floats, y: Floats, vx: Floats, vy: Floats, first: Ints, stays: Flags, present: Flags,
     boxes: Floats, radius: Floats, gap: float, headway: float, tol: float,
@@ -449,10 +440,11 @@ def least_separations(
     rows : (1 + k, 3) free room between the discs in metres, time of the first robot, time of the second.
     """
     n = first.size - 1
-    pairs = np.full((16, 2), -1, dtype=np.int64)
-    rows = np.zeros((16, 3), dtype=np.float64)
-    rows[0, 0] = np.inf
+    pairs = np.empty((16, 2), dtype=np.int64)
+    rows = np.empty((16, 3), dtype=np.float64)
     size = 1
+    least, least_when, least_other = np.inf, 0.0, 0.0
+    least_i, least_j = -1, -1
     for i in range(n):
         if not present[i]:
             continue
@@ -462,7 +454,7 @@ def least_separations(
             both = radius[i] + radius[j]
             gx = max(0.0, boxes[i, 0] - boxes[j, 2], boxes[j, 0] - boxes[i, 2])
             gy = max(0.0, boxes[i, 1] - boxes[j, 3], boxes[j, 1] - boxes[i, 3])
-            matters = both + max(rows[0, 0], gap)
+            matters = both + max(least, gap)
             if gx * gx + gy * gy > matters * matters:
                 continue
             if headway > 0.0:
@@ -470,12 +462,16 @@ def least_separations(
             else:
                 d2, when, other = _pair(i, j, t, x, y, vx, vy, first, stays)
             free = np.sqrt(d2) - both
-            if free < rows[0, 0]:
-                _record(pairs, rows, first[0], i, j, free, when, other)
+            if free < least:
+                least, least_when, least_other = free, when, other
+                least_i, least_j = i, j
             if not free >= gap - tol:
                 if size == pairs.shape[0]:
                     pairs = np.concatenate((pairs, np.empty_like(pairs)))
                     rows = np.concatenate((rows, np.empty_like(rows)))
-                _record(pairs, rows, size, i, j, free, when, other)
+                pairs[size, 0], pairs[size, 1] = i, j
+                rows[size, 0], rows[size, 1], rows[size, 2] = free, when, other
                 size += 1
+    pairs[0, 0], pairs[0, 1] = least_i, least_j
+    rows[0, 0], rows[0, 1], rows[0, 2] = least, least_when, least_other
     return pairs[:size], rows[:size]

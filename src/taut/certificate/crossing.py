@@ -46,7 +46,7 @@ def check_crossing(scene: Scene, tracks: Tracks, shapes: Shapes) -> list[Problem
             for r, place in zip(robots, starts, strict=True)
         ]
     problems: dict[int, Problem] = {}
-    depth, stamp, where = deepest_legs(tracks.x, tracks.y, tracks.first, robots, edges, tol)
+    depth, stamp, where = deepest_legs(tracks.x, tracks.y, tracks.first, robots, edges, False, tol)
     for n, r in enumerate(robots.tolist()):
         if depth[n] > 0.0:
             time, place = tracks.on_leg(int(stamp[n]), float(where[n]))
@@ -163,7 +163,9 @@ def _squeezes(
     neck, leg = shapely.STRtree(shapely.linestrings(legs.reshape(-1, 2, 2))).query(boxes, predicate="intersects")
     order = np.lexsort((leg, neck))
     neck, leg = neck[order], leg[order]
-    starts = np.flatnonzero(np.r_[True, neck[1:] != neck[:-1]]) if len(neck) else np.empty(0, dtype=np.intp)
+    if not len(neck):
+        return
+    starts = np.flatnonzero(np.r_[True, neck[1:] != neck[:-1]])
     for lo, hi in zip(starts, [*starts[1:], len(neck)], strict=True):
         k = neck[lo]
         parts = [p for p in shapely.get_parts(shapely.intersection(free, boxes[k])) if p.geom_type == "Polygon"]

@@ -111,7 +111,8 @@ class Clearance:
 
     Parameters
     ----------
-    value : metres between its rim and the obstacle; negative when they overlap (a centre inside counts its depth).
+    value : metres between its rim and the obstacle; negative when they overlap (a centre inside counts
+        its depth, to a millionth).
     robot : its name.
     obstacle : name of the obstacle, or "the wall".
     time : seconds.

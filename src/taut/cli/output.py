@@ -7,7 +7,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
@@ -78,18 +78,18 @@ def _finite(value: object) -> object:
 
 
 @contextmanager
-def progress(what: str) -> Iterator[None]:
-    """Show on stderr what is being done and for how long, if somebody watches."""
+def progress(what: str) -> Iterator[Callable[[str], None]]:
+    """Show on stderr what is being done and for how long, if somebody watches; yields a way to say how far it is."""
     if not sys.stderr.isatty():
-        yield
+        yield lambda _: None
         return
     from rich.markup import escape
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        bar.add_task(escape(what), total=None)
-        yield
+        task = bar.add_task(escape(printable(what)), total=None)
+        yield lambda said: bar.update(task, description=escape(printable(f"{what}: {said}")))
 
 
 def complain(message: str) -> NoReturn:

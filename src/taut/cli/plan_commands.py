@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +13,7 @@ import typer
 from taut.cli.options import AnimateOption, FigureOption, GraphOption, JsonOption, Method, Order, SceneArgument
 from taut.cli.output import complain, progress, require_writable, say, say_facts, say_json
 from taut.cli.pictures import require_pictures, write_pictures
-from taut.cli.reports import plan_report, say_certificate, say_plan, say_scene, scene_report
+from taut.cli.reports import certificate_facts, plan_report, say_plan, say_problems, say_scene, scene_report
 from taut.errors import OutputError, SceneError
 
 if TYPE_CHECKING:
@@ -47,8 +48,20 @@ def plan(
 
     began = time.perf_counter()
     world = load_scene(scene)
-    with progress(f"planning {len(world.robots)} robots"):
-        result = plan_team(world, method=method.value, order=order.value, seed=seed, rounds=rounds, seconds=seconds)
+    with progress(f"planning {len(world.robots)} robots") as tell:
+
+        def passed(number: int, failed: int) -> None:
+            tell(f"round {number}, {failed} robots failed")
+
+        result = plan_team(
+            world,
+            method=method.value,
+            order=order.value,
+            seed=seed,
+            rounds=rounds,
+            seconds=seconds,
+            progress=passed,
+        )
     report = plan_report(result.plan, result.certificate, list(result.shortest), list(result.detours))
     report["notes"] = list(result.notes)
     report["elapsed"] = time.perf_counter() - began
@@ -63,9 +76,7 @@ def plan(
     else:
         for note in report["notes"]:
             say(f"note: {note}")
-        say_plan(report)
-        say_certificate(result.certificate)
-        say_facts([("planned in", f"{report['elapsed']:.2f} s")])
+        say_plan(report, result.certificate)
         for name in report["files"]:
             say(f"wrote {name}")
     if not result.certificate.ok:
@@ -90,7 +101,8 @@ def verify(
     if as_json:
         say_json({"plan": plan, **certificate.as_dict()})
     else:
-        say_certificate(certificate)
+        say_facts(certificate_facts(certificate))
+        say_problems(certificate)
     if not certificate.ok:
         complain(f"{plan}: the plan does not hold")
 
@@ -132,8 +144,7 @@ def show(
     else:
         say_scene(scene_report(value.scene))
         say()
-        say_plan(report)
-        say_certificate(certificate)
+        say_plan(report, certificate)
         for name in report["files"]:
             say(f"wrote {name}")
     if not certificate.ok:
@@ -149,6 +160,7 @@ def _load(source: str) -> Scene | Plan:
         try:
             return load_plan(path)
         except SceneError:
-            if '"plan"' in path.read_text(encoding="utf-8", errors="replace")[:1000]:
-                raise
+            with path.open(encoding="utf-8", errors="replace") as file:
+                if re.search(r'"kind"\s*:\s*"plan"', file.read(1_000_000)):
+                    raise
     return load_scene(source)

@@ -57,21 +57,23 @@ def say_scene(report: Report) -> None:
     )
 
 
-def say_certificate(certificate: Certificate) -> None:
-    """Print what was proved, then every problem."""
+def certificate_facts(certificate: Certificate) -> list[tuple[str, str]]:
+    """Return what was proved, for people."""
     near, close = certificate.separation, certificate.clearance
     separation, clearance = "none, no two robots are there at the same time", "none, there are no robots"
     if near is not None:
         separation = f"{near.value:.9g} m between {' and '.join(near.robots)} at t = {near.time:.6g} s"
     if close is not None:
         clearance = f"{close.value:.9g} m between {close.robot} and {close.obstacle} at t = {close.time:.6g} s"
-    say_facts(
-        [
-            ("least separation", separation),
-            ("least clearance", clearance),
-            ("certified", f"{'yes' if certificate.ok else 'NO'}, tolerance {certificate.tol:.2g} m"),
-        ]
-    )
+    return [
+        ("least separation", separation),
+        ("least clearance", clearance),
+        ("certified", f"{'yes' if certificate.ok else 'NO'}, tolerance {certificate.tol:.2g} m"),
+    ]
+
+
+def say_problems(certificate: Certificate) -> None:
+    """Print every problem, a line each."""
     for problem in certificate.problems:
         say(f"problem: {problem}")
 
@@ -85,7 +87,10 @@ def plan_report(
     """Describe a plan robot by robot, and its costs beside their lower bound."""
     robots: list[Report] = []
     for k, (robot, trajectory) in enumerate(zip(plan.scene.robots, plan.trajectories, strict=True)):
-        waits = trajectory.waits
+        # Rounding leaves rests far below what the tolerance can tell apart; nobody waits there.
+        waits = [
+            until - since for since, until, _, _ in trajectory.waits if until - since > plan.scene.tol / robot.speed
+        ]
         robots.append(
             {
                 "name": robot.name,
@@ -93,7 +98,7 @@ def plan_report(
                 "arrival": trajectory.arrival,
                 "shortest": None if shortest is None else float(shortest[k]),
                 "waits": len(waits),
-                "waiting": float(sum(until - since for since, until, _, _ in waits)),
+                "waiting": float(sum(waits)),
                 "detour": detours[k] if k < len(detours) else "",
             }
         )
@@ -112,8 +117,8 @@ def plan_report(
     }
 
 
-def say_plan(report: Report) -> None:
-    """Print the table of robots and the costs of a plan report."""
+def say_plan(report: Report, certificate: Certificate) -> None:
+    """Print the table of robots, the costs and the proof of a plan."""
     rows = report["robots"]
     heads = ["robot", "length (m)", "arrival (s)", "shortest (m)", "waits", "why longer"]
     shown = [_robot_row(row) for row in rows]
@@ -128,13 +133,16 @@ def say_plan(report: Report) -> None:
     bound = report["lower_bound"]
     if bound is not None and report["gap"] is not None:
         cost += f", at least {bound['value']:.4f} s ({bound['model']} model), gap {100 * report['gap']:.2f} %"
-    say_facts(
-        [
-            ("sum of costs", cost),
-            ("makespan", f"{report['makespan']:.4f} s"),
-            ("total length", f"{report['length']:.4f} m"),
-        ]
-    )
+    facts = [
+        ("sum of costs", cost),
+        ("makespan", f"{report['makespan']:.4f} s"),
+        ("total length", f"{report['length']:.4f} m"),
+        *certificate_facts(certificate),
+    ]
+    if "elapsed" in report:
+        facts.append(("planned in", f"{report['elapsed']:.2f} s"))
+    say_facts(facts)
+    say_problems(certificate)
 
 
 def _robot_row(row: Report) -> list[str]:

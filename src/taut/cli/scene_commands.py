@@ -218,29 +218,24 @@ def _range(text: str, option: str) -> float | tuple[float, float]:
 
 
 def _print_scene(scene: Scene, as_json: bool) -> None:
-    from taut.formats import scene_to_dict
+    """Print what a file of the scene would hold."""
+    from taut.formats import json_text, scene_to_dict, yaml_text
 
-    if as_json:
-        say_json(scene_to_dict(scene))
-        return
-    import yaml
-
-    print(yaml.safe_dump(scene_to_dict(scene), sort_keys=False, default_flow_style=None, width=120), end="")
+    print((json_text.layout if as_json else yaml_text.scene_yaml)(scene_to_dict(scene)).rstrip("\n"))
 
 
 def _ready_scenes() -> list[tuple[str, str]]:
     """Name and first sentence of every ready scene; the sentence stands in the comment at the head of its file."""
     from importlib.resources import files
 
+    from taut.formats import scene_names
+
     listed = []
-    for entry in sorted(files("taut.scenes").iterdir(), key=lambda entry: entry.name):
-        if not entry.name.endswith(".yaml"):
-            continue
+    for name in scene_names():
         words: list[str] = []
-        for line in entry.read_text(encoding="utf-8").splitlines():
+        for line in (files("taut") / "scenes" / f"{name}.yaml").read_text(encoding="utf-8").splitlines():
             if not line.startswith("#") or line.startswith("# Source"):
                 break
             words += line.lstrip("# ").split()
-        about = " ".join(words).partition(". ")[0].rstrip(".")
-        listed.append((entry.name.removesuffix(".yaml"), about))
+        listed.append((name, " ".join(words).partition(". ")[0].rstrip(".")))
     return listed

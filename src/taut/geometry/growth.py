@@ -16,11 +16,10 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from taut.errors import SceneError, TautError
+from taut.geometry.overlay import remainder, united
 from taut.scene import FloatArray, Obstacle, Scene
 
 Corners: TypeAlias = Literal["round", "mitre"]
@@ -68,14 +67,14 @@ def free_region(
 
     >>> from taut.scene import Rectangle
     >>> free_region(Scene((0, 0, 4, 4), [Rectangle(0, 1, 4, 2)]), 0.25).area
-    1.75
+    3.5
     """
     plan = _plan(growth, arc_error, corners, keep)
     room, walls = _shrunk(scene, plan)
     taken = np.concatenate([walls, _pieces(scene.obstacles, plan)])
-    parts = shapely.get_parts(_cut(room, taken, scene.tol) if taken.size else room)
-    # what rounding leaves of a region without width
-    parts = parts[shapely.area(parts) > _rounding(scene.tol) * shapely.length(parts)]
+    parts = shapely.get_parts(remainder(room, taken, scene.tol) if taken.size else room)
+    # what rounding leaves of a gap without width
+    parts = parts[shapely.area(parts) > scene.tol / 2 * shapely.length(parts)]
     return parts[0] if parts.size == 1 else shapely.multipolygons(parts)
 
 
@@ -98,10 +97,7 @@ def grown(
     if pieces.size == 1:
         return pieces[0]
     tol = 2.0**-40 * (float(np.abs(obstacle.core).max()) + obstacle.own_radius + growth)
-    union = _united(pieces, tol)
-    if not _sound(union, pieces, tol):
-        union = shapely.union_all(pieces, grid_size=_grid(tol))
-    return union.geoms[0]
+    return shapely.get_geometry(united(pieces, tol), 0)
 
 
 class _Plan(NamedTuple):
@@ -345,114 +341,3 @@ def _sides_and_caps(lines: _Outlines, caps: _Caps, wanted: BoolArray) -> Shapes:
     pieces[flat] = shapely.convex_hull(pieces[flat])
     kept: Shapes = pieces[shapely.area(pieces) > 0]
     return kept
-
-
-def _cut(room: Any, taken: Shapes, tol: float) -> Any:
-    """Return the room without the pieces taken from it."""
-    sources = np.append(taken, room)
-    union = _united(taken, tol)
-    try:
-        rest = shapely.difference(room, union)
-        lost = shapely.area(room) - shapely.area(rest) - shapely.area(shapely.intersection(room, union))
-        if abs(lost) <= _rounding(tol) * (shapely.length(room) + shapely.length(union)) and _sound(rest, sources, tol):
-            return rest
-    except shapely.GEOSException:
-        pass
-    grid = _grid(tol)
-    return shapely.difference(room, shapely.union_all(taken, grid_size=grid), grid_size=grid)
-
-
-def _united(pieces: Shapes, tol: float) -> Any:
-    """Return the union of pieces, joined two by two, neighbours first; only pieces that meet others are touched."""
-    i, j = shapely.STRtree(pieces).query(pieces, predicate="intersects")
-    links = coo_array((np.ones(len(i), dtype=np.bool_), (i, j)), shape=(len(pieces), len(pieces)))
-    cluster = connected_components(links, directed=False)[1]
-    order = np.lexsort((_along_a_curve(pieces), cluster))
-    pieces, cluster = pieces[order], cluster[order]
-    while True:
-        first = np.flatnonzero(np.diff(cluster, prepend=-1))
-        rank = np.arange(len(cluster)) - np.repeat(first, np.diff(first, append=len(cluster)))
-        second = np.flatnonzero(rank % 2)
-        if not len(second):
-            return shapely.multipolygons(shapely.get_parts(pieces))
-        pieces[second - 1] = _joined(pieces[second - 1], pieces[second], tol)
-        pieces, cluster = np.delete(pieces, second), np.delete(cluster, second)
-
-
-def _joined(a: Shapes, b: Shapes, tol: float) -> Shapes:
-    """Return the union of each pair, on a grid where plain overlay fails.
-
-    Where edges nearly coincide GEOS may lose whole faces without a word. Whichever label of a face is wrong, the areas
-    of union and intersection no longer add up to those of the two.
-    """
-    try:
-        union: Shapes = shapely.union(a, b)
-        lost = shapely.area(a) + shapely.area(b) - shapely.area(union) - shapely.area(shapely.intersection(a, b))
-        wrong = np.abs(lost) > _rounding(tol) * (shapely.length(a) + shapely.length(b))
-    except shapely.GEOSException:
-        union, wrong = a.copy(), np.ones(len(a), dtype=np.bool_)
-    if wrong.any():
-        union[wrong] = shapely.union(a[wrong], b[wrong], grid_size=_grid(tol))
-    return union
-
-
-def _along_a_curve(pieces: Shapes) -> NDArray[np.uint64]:
-    """Return numbers that are close for pieces that are close: the bits of their centres' coordinates, interleaved."""
-    low, high = np.hsplit(shapely.bounds(pieces), 2)
-    centre = (low + high) / 2
-    centre -= centre.min(axis=0)
-    bits = (centre / max(centre.max(), np.finfo(float).tiny) * 65535).astype(np.uint64)
-    for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
-        bits = (bits | (bits << np.uint64(shift))) & np.uint64(mask)
-    code: NDArray[np.uint64] = bits[:, 0] | (bits[:, 1] << np.uint64(1))
-    return code
-
-
-def _rounding(tol: float) -> float:
-    return 2.0**-8 * tol
-
-
-def _grid(tol: float) -> float:
-    return float(2.0 ** math.floor(math.log2(tol / 8)))
-
-
-def _sound(result: Any, sources: Shapes, tol: float) -> bool:
-    return bool(shapely.is_valid(result)) and _faithful(result, sources, tol / 4)
-
-
-def _faithful(result: Any, sources: Shapes, slack: float) -> bool:
-    """Whether every edge of the result runs within `slack` metres along one of the sources' boundaries.
-
-    Where plain floating-point overlay fails, GEOS silently moves vertices by up to 1e-8 of the coordinates.
-    """
-    start, end = _edges(shapely.get_parts(result))
-    known, keys = np.sort(_keys(*_edges(sources))), _keys(start, end)
-    cut = known[np.searchsorted(known[:-1], keys)] != keys
-    start, end = start[cut], end[cut]
-    if not len(start):
-        return True
-    probes = np.concatenate([start, end, (start + end) / 2])
-    tree = shapely.STRtree(shapely.boundary(sources))
-    probe, source = tree.query(shapely.points(probes), predicate="dwithin", distance=slack)
-    pair, hits = np.unique((probe % len(start)) * len(sources) + source, return_counts=True)
-    return len(np.unique(pair[hits == 3] // len(sources))) == len(start)
-
-
-def _edges(polygons: Shapes) -> tuple[FloatArray, FloatArray]:
-    at, ring = shapely.get_coordinates(shapely.get_rings(polygons), return_index=True)
-    inside = ring[1:] == ring[:-1]
-    return at[:-1][inside], at[1:][inside]
-
-
-def _keys(start: FloatArray, end: FloatArray) -> NDArray[np.uint64]:
-    """Return 64-bit numbers that are equal for equal edges in either direction."""
-
-    def mixed(at: FloatArray) -> NDArray[np.uint64]:
-        x, y = ((at[:, k] + 0.0).view(np.uint64) for k in (0, 1))
-        key = x * np.uint64(0x9E3779B97F4A7C15) + y * np.uint64(0xC2B2AE3D27D4EB4F)
-        key ^= key >> np.uint64(29)
-        key *= np.uint64(0xBF58476D1CE4E5B9)
-        key ^= key >> np.uint64(32)
-        return key
-
-    return mixed(start) + mixed(end)

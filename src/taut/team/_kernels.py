@@ -287,14 +287,15 @@ def _crossing(
 # --- Reservations -----------------------------------------------------------------------------------------------------
 #
 # Legs reserved by planned robots stand in every cell of a uniform grid that they come within `reach` of, so whoever asks
-# about a place looks into one cell only. A cell's legs are a linked list: head[cell], then following[entry].
+# about a place looks into one cell only. In a cell they are sorted into spans of time, taken modulo the number of spans,
+# and one last span for rests for ever. The legs of a cell and span are a linked list: head[cell, span], following[entry].
 # ``reserved`` = (legs (k, 6): x0, y0, t0, x1, y1, t1; robot (k,); radius (k,); head; entry; following; frame; shape)
-# with frame = (x0, y0, step) and shape = (columns, rows).
+# with frame = (x0, y0, side of a cell, seconds of a span) and shape = (columns, rows, spans).
 
 
 @njit(cache=True, nogil=True)
 def _cell(x: float, x0: float, step: float, n: int) -> int:
-    return min(max(int((x - x0) // step), 0), n - 1)
+    return min(max(int((x - x0) / step), 0), n - 1)
 
 
 @njit(cache=True, nogil=True)
@@ -320,6 +321,36 @@ def _rows(
 
 
 @njit(cache=True, nogil=True)
+def _spans(t0: float, t1: float, frame: Floats, shape: Ints) -> tuple[int, int]:
+    """First span of a stretch of time, before the modulus, and how many it touches (all of them at most)."""
+    spans = shape[2]
+    if t1 - t0 >= spans * frame[3]:
+        return 0, spans
+    first = int(t0 / frame[3])
+    return first, min(int(t1 / frame[3]) - first + 1, spans)
+
+
+@njit(cache=True, nogil=True)
+def _within(a: float, b: float, lo: float, hi: float) -> tuple[float, float]:
+    """Fractions of the way from a to b that lie between lo and hi, as (first, last)."""
+    if a == b:
+        return (0.0, 1.0) if lo <= a <= hi else (1.0, 0.0)
+    f, g = (lo - a) / (b - a), (hi - a) / (b - a)
+    return max(min(f, g), 0.0), min(max(f, g), 1.0)
+
+
+@njit(cache=True, nogil=True)
+def _passage(
+    ax: float, ay: float, bx: float, by: float, reach: float, col: int, row: int, frame: Floats
+) -> tuple[float, float]:
+    """Fractions of the way from a to b within ``reach`` of a cell, as (first, last); first > last if there are none."""
+    x, y = frame[0] + col * frame[2], frame[1] + row * frame[2]
+    f0, f1 = _within(ax, bx, x - reach, x + frame[2] + reach)
+    g0, g1 = _within(ay, by, y - reach, y + frame[2] + reach)
+    return max(f0, g0), min(f1, g1)
+
+
+@njit(cache=True, nogil=True)
 def enter_legs(
     legs: Floats,
     first: int,
@@ -335,24 +366,33 @@ def enter_legs(
     """Enter legs first … last − 1 into the grid; returns the (perhaps longer) entry lists and their new count."""
     for i in range(first, last):
         x0, y0, x1, y1 = legs[i, 0], legs[i, 1], legs[i, 3], legs[i, 4]
+        t0, t1 = legs[i, 2], legs[i, 5]
         col0 = _cell(min(x0, x1) - reach, frame[0], frame[2], shape[0])
         col1 = _cell(max(x0, x1) + reach, frame[0], frame[2], shape[0])
         for col in range(col0, col1 + 1):
             row0, row1 = _rows(x0, y0, x1, y1, reach, col, frame, shape[1])
-            if count + row1 - row0 + 1 > entry.shape[0]:
-                size = 2 * (count + row1 - row0 + 1)
-                longer = np.empty(size, dtype=np.int64)
+            needed = count + (row1 - row0 + 1) * shape[2]
+            if needed > entry.shape[0]:
+                longer = np.empty(2 * needed, dtype=np.int64)
                 longer[:count] = entry[:count]
                 entry = longer
-                longer = np.empty(size, dtype=np.int64)
+                longer = np.empty(2 * needed, dtype=np.int64)
                 longer[:count] = following[:count]
                 following = longer
             for row in range(row0, row1 + 1):
-                c = row * shape[0] + col
-                entry[count] = i
-                following[count] = head[c]
-                head[c] = count
-                count += 1
+                cell = row * shape[0] + col
+                span0, spans = shape[2], 1
+                if t1 < inf:
+                    first_part, last_part = _passage(x0, y0, x1, y1, reach, col, row, frame)
+                    if first_part > last_part:
+                        continue
+                    span0, spans = _spans(t0 + first_part * (t1 - t0), t0 + last_part * (t1 - t0), frame, shape)
+                for k in range(spans):
+                    span = span0 if span0 == shape[2] else (span0 + k) % shape[2]
+                    entry[count] = i
+                    following[count] = head[cell, span]
+                    head[cell, span] = count
+                    count += 1
     return entry, following, count
 
 
@@ -391,32 +431,35 @@ def _merge(lo: Floats, hi: Floats, count: int) -> int:
 
 @njit(cache=True, nogil=True)
 def _place_conflicts(
-    x: float, y: float, reserved: Reserved, who: int, body: Floats, lo: Floats, hi: Floats
+    x: float, y: float, reserved: Reserved, who: int, body: Floats, lo: Floats, hi: Floats, stamp: Ints, mark: int
 ) -> tuple[Floats, Floats, int]:
-    """Forbidden times of a place: merged open intervals. ``body`` = (radius, gap in planning, headway)."""
+    """Forbidden times of a place: merged open intervals.
+
+    ``body`` = (radius, gap in planning, headway); ``stamp`` holds the mark of the question that last met each leg.
+    """
     legs, robot, radius, head, entry, following, frame, shape = reserved
     count = 0
     cell = _cell(y, frame[1], frame[2], shape[1]) * shape[0] + _cell(x, frame[0], frame[2], shape[0])
-    e = head[cell]
-    while e >= 0:
-        i = entry[e]
-        e = following[e]
-        if robot[i] == who:
-            continue
-        found, a, b = rest_conflict(
-            x, y, legs[i, 0], legs[i, 1], legs[i, 2], legs[i, 3], legs[i, 4], legs[i, 5], body[0] + radius[i] + body[1]
-        )
-        if found:
-            lo, hi, count = _append(lo, hi, count, a - body[2], b + body[2])
+    for span in range(shape[2] + 1):
+        e = head[cell, span]
+        while e >= 0:
+            i = entry[e]
+            e = following[e]
+            if stamp[i] == mark or robot[i] == who:
+                continue
+            stamp[i] = mark
+            d = body[0] + radius[i] + body[1]
+            found, a, b = rest_conflict(
+                x, y, legs[i, 0], legs[i, 1], legs[i, 2], legs[i, 3], legs[i, 4], legs[i, 5], d
+            )
+            if found:
+                lo, hi, count = _append(lo, hi, count, a - body[2], b + body[2])
     return lo, hi, _merge(lo, hi, count)
 
 
 @njit(cache=True, nogil=True)
 def _edge_conflicts(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
+    edge: tuple[float, float, float, float],
     tau: float,
     earliest: float,
     latest: float,
@@ -428,42 +471,65 @@ def _edge_conflicts(
     stamp: Ints,
     mark: int,
 ) -> tuple[Floats, Floats, int]:
-    """Forbidden departures of an edge within [earliest, latest]: merged open intervals. ``stamp`` marks legs looked at."""
+    """Forbidden departures of an edge within [earliest, latest]: merged open intervals."""
+    ax, ay, bx, by = edge
     legs, robot, radius, head, entry, following, frame, shape = reserved
     count = 0
-    slack = 1e-9 * frame[2]
-    from_time, until_time = earliest - body[2], latest + tau + body[2]
+    slack = 1e-6 * frame[2]
     col0 = _cell(min(ax, bx) - slack, frame[0], frame[2], shape[0])
     col1 = _cell(max(ax, bx) + slack, frame[0], frame[2], shape[0])
     for col in range(col0, col1 + 1):
         row0, row1 = _rows(ax, ay, bx, by, slack, col, frame, shape[1])
         for row in range(row0, row1 + 1):
-            e = head[row * shape[0] + col]
-            while e >= 0:
-                i = entry[e]
-                e = following[e]
-                if stamp[i] == mark:
-                    continue
-                stamp[i] = mark
-                if robot[i] == who or legs[i, 5] < from_time or legs[i, 2] > until_time:
-                    continue
-                found, a, b = edge_conflict(
-                    ax,
-                    ay,
-                    bx,
-                    by,
-                    tau,
-                    legs[i, 0],
-                    legs[i, 1],
-                    legs[i, 2],
-                    legs[i, 3],
-                    legs[i, 4],
-                    legs[i, 5],
-                    body[0] + radius[i] + body[1],
-                )
-                if found and b + body[2] > earliest and a - body[2] < latest:
-                    lo, hi, count = _append(lo, hi, count, a - body[2], b + body[2])
+            cell = row * shape[0] + col
+            first_part, last_part = _passage(ax, ay, bx, by, slack, col, row, frame)
+            if first_part > last_part:
+                continue
+            from_time = max(earliest + first_part * tau - body[2], 0.0)
+            until_time = latest + last_part * tau + body[2]
+            span0, spans = _spans(from_time, until_time, frame, shape)
+            for k in range(spans + 1):
+                e = head[cell, shape[2] if k == spans else (span0 + k) % shape[2]]
+                while e >= 0:
+                    i = entry[e]
+                    e = following[e]
+                    if stamp[i] == mark or robot[i] == who or legs[i, 5] < from_time or legs[i, 2] > until_time:
+                        continue
+                    stamp[i] = mark
+                    d = body[0] + radius[i] + body[1]
+                    found, a, b = edge_conflict(
+                        ax, ay, bx, by, tau, legs[i, 0], legs[i, 1], legs[i, 2], legs[i, 3], legs[i, 4], legs[i, 5], d
+                    )
+                    if found and b + body[2] > earliest and a - body[2] < latest:
+                        lo, hi, count = _append(lo, hi, count, a - body[2], b + body[2])
     return lo, hi, _merge(lo, hi, count)
+
+
+@njit(cache=True, nogil=True)
+def _earliest_departure(
+    edge: tuple[float, float, float, float],
+    tau: float,
+    ready: float,
+    latest: float,
+    reserved: Reserved,
+    who: int,
+    body: Floats,
+    lo: Floats,
+    hi: Floats,
+    stamp: Ints,
+    mark: int,
+) -> tuple[float, Floats, Floats, int]:
+    """The first departure in [ready, latest] without conflict, inf if none; looks no farther ahead than it must."""
+    ahead = reserved[6][3]
+    while ready <= latest:
+        until = min(ready + ahead, latest)
+        lo, hi, count = _edge_conflicts(edge, tau, ready, until, reserved, who, body, lo, hi, stamp, mark)
+        mark += 1
+        ready = _first_free(lo, hi, count, ready)
+        if ready <= until:
+            return ready, lo, hi, mark
+        ahead *= 2.0
+    return inf, lo, hi, mark
 
 
 @njit(cache=True, nogil=True)
@@ -479,19 +545,10 @@ def blockers(
         for i in range(legs.shape[0]):
             if robot[i] == who or robot[i] < 0:
                 continue
+            ax, ay, bx, by = positions[k, 0], positions[k, 1], positions[k + 1, 0], positions[k + 1, 1]
+            d = body[0] + radius[i] + body[1]
             found, a, b = edge_conflict(
-                positions[k, 0],
-                positions[k, 1],
-                positions[k + 1, 0],
-                positions[k + 1, 1],
-                tau[k],
-                legs[i, 0],
-                legs[i, 1],
-                legs[i, 2],
-                legs[i, 3],
-                legs[i, 4],
-                legs[i, 5],
-                body[0] + radius[i] + body[1],
+                ax, ay, bx, by, tau[k], legs[i, 0], legs[i, 1], legs[i, 2], legs[i, 3], legs[i, 4], legs[i, 5], d
             )
             if found and a - body[2] < depart[k] < b + body[2]:
                 found_leg[count], found_edge[count] = i, k
@@ -661,136 +718,126 @@ def safe_interval_search(
     leave = np.empty(1024)
     parent = np.empty(1024, dtype=np.int64)
     done = np.empty(1024, dtype=np.int64)
+    # ways: edges out of expanded states that have not been tested for conflicts yet
+    ways = 0
+    way_from = np.empty(1024, dtype=np.int64)
+    way_to = np.empty(1024, dtype=np.int64)
+    way_time = np.empty(1024)
 
     lo = np.empty(64)
     hi = np.empty(64)
     stamp = np.full(reserved[0].shape[0], -1, dtype=np.int64)
     mark = 0
+    # the queue holds states by their numbers, and ways w as −1 − w with the arrival they would have without conflicts
     keys = np.empty(1024)
     items = np.empty(1024, dtype=np.int64)
-    size = 0
+    keys[0], items[0] = leave_after, -1
+    size = 1
+    way_from[0], way_to[0], way_time[0] = -1, start, 0.0
+    ways = 1
     pops = 0
     best, best_left = -1, inf
     reached = -1
-    pending = start  # the vertex whose safe intervals are to be found next
-    asked = -1  # the state that is being expanded
-    layer, k, k_end = 0, 0, 0
-    tau = 0.0
 
-    while True:
-        if pending >= 0:
-            v = pending
-            lo, hi, count = _place_conflicts(positions[v, 0], positions[v, 1], reserved, who, body, lo, hi)
-            while states + count + 1 > vertex.shape[0]:
-                vertex, parent, done = _longer_ints(vertex), _longer_ints(parent), _longer_ints(done)
-                opens, closes = _longer_floats(opens), _longer_floats(closes)
-                arrive, leave = _longer_floats(arrive), _longer_floats(leave)
-            of_vertex[v] = states
-            free_from = 0.0
-            for i in range(count + 1):
-                until = lo[i] if i < count else inf
-                if until >= free_from and free_from < inf:
-                    vertex[states], opens[states], closes[states] = v, free_from, until
-                    arrive[states], leave[states], parent[states], done[states] = inf, inf, -1, 0
-                    states += 1
-                if i < count:
-                    free_from = max(free_from, hi[i])
-            how_many[v] = states - of_vertex[v]
-            pending = -1
-            if asked < 0:
-                # the start: only the interval in which the robot already stands there
-                if how_many[v] == 0 or opens[of_vertex[v]] > 0.0 or closes[of_vertex[v]] < leave_after:
-                    break
-                arrive[0] = leave_after
-                keys[0], items[0] = leave_after, 0
-                size = 1
-        if asked >= 0 and k < k_end:
-            # one edge of the state that is being expanded
-            indptr, indices, lengths = base if layer == 0 else over
-            u, v = vertex[asked], indices[k]
-            if of_vertex[v] < 0:
-                pending = v
-                continue
-            tau = lengths[k] / speed
-            ready, until = arrive[asked], closes[asked]
-            useful = False
-            for s in range(of_vertex[v], of_vertex[v] + how_many[v]):
-                if done[s] == 0 and max(ready + tau, opens[s]) < arrive[s] and closes[s] >= ready + tau:
-                    useful = True
-                    break
-            k += 1
-            if not useful:
-                continue
-            lo, hi, count = _edge_conflicts(
-                positions[u, 0],
-                positions[u, 1],
-                positions[v, 0],
-                positions[v, 1],
-                tau,
-                ready,
-                until,
-                reserved,
-                who,
-                body,
-                lo,
-                hi,
-                stamp,
-                mark,
-            )
-            mark += 1
-            for s in range(of_vertex[v], of_vertex[v] + how_many[v]):
-                if done[s] == 1:
-                    continue
-                delta = _first_free(lo, hi, count, max(ready, opens[s] - tau))
-                if delta > until or delta + tau > closes[s] or delta + tau >= arrive[s]:
-                    continue
-                arrive[s], leave[s], parent[s] = max(delta + tau, opens[s]), delta, asked
-                if settled[v]:
-                    left = distance[v]
-                else:
-                    left = np.sqrt((positions[v, 0] - gx) ** 2 + (positions[v, 1] - gy) ** 2)
-                if size == keys.shape[0]:
-                    keys, items = _longer_floats(keys), _longer_ints(items)
-                _push(keys, items, size, arrive[s] + left / speed, s)
-                size += 1
-            continue
-        if asked >= 0 and layer == 0:
-            layer, k, k_end = 1, over[0][vertex[asked]], over[0][vertex[asked] + 1]
-            continue
-        asked = -1
-        while size > 0:
-            key, s = keys[0], items[0]
-            _drop_first(keys, items, size)
-            size -= 1
-            if done[s] == 1:
-                continue
-            v = vertex[s]
+    while size > 0:
+        key, item = keys[0], items[0]
+        _drop_first(keys, items, size)
+        size -= 1
+        if item < 0:
+            origin, v, tau = way_from[-1 - item], way_to[-1 - item], way_time[-1 - item]
+            ready = leave_after if origin < 0 else arrive[origin]
             if not settled[v]:
                 back_size = _settle(
                     v, base, over, positions, start, distance, settled, back_keys, back_items, back_size
                 )
-            if not settled[v]:
-                done[s] = 1  # the goal cannot be reached from here
-                continue
-            exact = arrive[s] + distance[v] / speed
-            if exact > key:
-                _push(keys, items, size, exact, s)
+                if not settled[v]:
+                    continue
+            left = distance[v] / speed
+            if ready + tau + left > key and origin >= 0:
+                _push(keys, items, size, ready + tau + left, item)
                 size += 1
                 continue
-            asked = s
-            break
-        if asked < 0:
-            break
-        done[asked] = 1
+            if of_vertex[v] < 0:
+                lo, hi, count = _place_conflicts(
+                    positions[v, 0], positions[v, 1], reserved, who, body, lo, hi, stamp, mark
+                )
+                mark += 1
+                while states + count + 1 > vertex.shape[0]:
+                    vertex, parent, done = _longer_ints(vertex), _longer_ints(parent), _longer_ints(done)
+                    opens, closes = _longer_floats(opens), _longer_floats(closes)
+                    arrive, leave = _longer_floats(arrive), _longer_floats(leave)
+                of_vertex[v] = states
+                free_from = 0.0
+                for i in range(count + 1):
+                    until = lo[i] if i < count else inf
+                    if until >= free_from and free_from < inf:
+                        vertex[states], opens[states], closes[states] = v, free_from, until
+                        arrive[states], leave[states], parent[states], done[states] = inf, inf, -1, 0
+                        states += 1
+                    if i < count:
+                        free_from = max(free_from, hi[i])
+                how_many[v] = states - of_vertex[v]
+            for s in range(of_vertex[v], of_vertex[v] + how_many[v]):
+                if origin < 0:
+                    # at the start: only the interval in which the robot already stands there
+                    if opens[s] > 0.0 or closes[s] < leave_after:
+                        continue
+                    arrive[s] = leave_after
+                else:
+                    soonest = max(ready, opens[s] - tau)
+                    latest = min(closes[origin], closes[s] - tau)
+                    if done[s] == 1 or soonest > latest or soonest + tau >= arrive[s]:
+                        continue
+                    u = vertex[origin]
+                    edge = positions[u, 0], positions[u, 1], positions[v, 0], positions[v, 1]
+                    delta, lo, hi, mark = _earliest_departure(
+                        edge, tau, soonest, latest, reserved, who, body, lo, hi, stamp, mark
+                    )
+                    if delta == inf or delta + tau >= arrive[s]:
+                        continue
+                    arrive[s], leave[s], parent[s] = max(delta + tau, opens[s]), delta, origin
+                if size == keys.shape[0]:
+                    keys, items = _longer_floats(keys), _longer_ints(items)
+                _push(keys, items, size, arrive[s] + left, s)
+                size += 1
+            continue
+        if done[item] == 1:
+            continue
+        done[item] = 1
         pops += 1
-        v = vertex[asked]
-        if distance[v] < best_left:
-            best, best_left = asked, distance[v]
-        if v == goal and (not stays or closes[asked] == inf):
-            reached = asked
+        u = vertex[item]
+        if distance[u] < best_left:
+            best, best_left = item, distance[u]
+        if u == goal and (not stays or closes[item] == inf):
+            reached = item
             break
-        layer = 0
-        k, k_end = (base[0][v], base[0][v + 1]) if v < n_base else (0, 0)
+        ready = arrive[item]
+        for layer in range(2):
+            if layer == 0 and u >= n_base:
+                continue
+            indptr, indices, lengths = base if layer == 0 else over
+            for k in range(indptr[u], indptr[u + 1]):
+                v = indices[k]
+                tau = lengths[k] / speed
+                useful = of_vertex[v] < 0
+                for s in range(of_vertex[v], of_vertex[v] + how_many[v]):
+                    if done[s] == 0 and max(ready + tau, opens[s]) < arrive[s] and closes[s] >= ready + tau:
+                        useful = True
+                        break
+                if not useful:
+                    continue
+                if settled[v]:
+                    left = distance[v]
+                else:
+                    left = np.sqrt((positions[v, 0] - gx) ** 2 + (positions[v, 1] - gy) ** 2)
+                if ways == way_from.shape[0]:
+                    way_from, way_to, way_time = _longer_ints(way_from), _longer_ints(way_to), _longer_floats(way_time)
+                way_from[ways], way_to[ways], way_time[ways] = item, v, tau
+                if size == keys.shape[0]:
+                    keys, items = _longer_floats(keys), _longer_ints(items)
+                _push(keys, items, size, ready + tau + left / speed, -1 - ways)
+                size += 1
+                ways += 1
 
     if reached < 0:
         where = vertex[best] if best >= 0 else start
@@ -821,22 +868,8 @@ def safe_interval_search(
         latest = min(out_depart[i + 1] - tau, closes[s])
         delta = leave[after]
         if latest > delta:
-            lo, hi, count = _edge_conflicts(
-                positions[u, 0],
-                positions[u, 1],
-                positions[v, 0],
-                positions[v, 1],
-                tau,
-                delta,
-                latest,
-                reserved,
-                who,
-                body,
-                lo,
-                hi,
-                stamp,
-                mark,
-            )
+            edge = positions[u, 0], positions[u, 1], positions[v, 0], positions[v, 1]
+            lo, hi, count = _edge_conflicts(edge, tau, delta, latest, reserved, who, body, lo, hi, stamp, mark)
             mark += 1
             delta = max(delta, _last_free(lo, hi, count, latest))
         out_vertex[i], out_depart[i] = u, delta

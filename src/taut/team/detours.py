@@ -17,7 +17,7 @@ def explain(world: World, plan: Plan, earliest: np.ndarray) -> tuple[str, ...]:
     ``earliest`` (n,) is each robot's arrival if it were alone, seconds.
     """
     scene = world.scene
-    reservations = Reservations(scene, world.cell)
+    reservations = Reservations(scene, world.cell, world.horizon)
     for i, trajectory in enumerate(plan.trajectories):
         reservations.take(i, trajectory)
     out = []

@@ -15,7 +15,7 @@ from taut.route import Route
 from taut.scene import FloatArray
 from taut.team._kernels import Adjacency, Floats, Ints
 
-_NEIGHBOURS = 20
+_NEIGHBOURS = 8
 _RING = 8
 
 
@@ -123,6 +123,6 @@ def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
 
 
 def close_to(route: Route, points: Floats, distances: Floats) -> Ints:
-    """Indices of the points nearer to the route than half as much again as their distances."""
+    """Indices of the points nearer to the route than their distances."""
     line = shapely.linestrings(route.points if len(route.points) > 1 else np.repeat(route.points, 2, axis=0))
-    return np.flatnonzero(shapely.distance(line, shapely.points(points)) < 1.5 * distances)
+    return np.flatnonzero(shapely.distance(line, shapely.points(points)) < distances)

@@ -51,7 +51,7 @@ class Round:
 def plan_in_order(world: World, order: Sequence[int], hold: float) -> Round:
     """Plan each robot in turn; the starts of those still to come are held for ``hold`` seconds (inf: until planned)."""
     scene = world.scene
-    reservations = Reservations(scene, world.cell)
+    reservations = Reservations(scene, world.cell, world.horizon)
     for i in order:
         reservations.hold_start(i, scene.robots[i].start_time + hold)
     trajectories: list[Trajectory | None] = [None] * len(scene.robots)

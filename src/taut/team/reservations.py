@@ -12,6 +12,7 @@ from taut.team import _kernels
 from taut.team._kernels import Floats, Ints, Reserved
 
 NOBODY = -1
+_SPANS = 48
 
 
 class Reservations:
@@ -21,19 +22,21 @@ class Reservations:
     ----------
     scene : for the robots' radii, and what they do at their goals.
     cell : metres, side of a grid cell.
+    horizon : seconds about which most motions end; time is looked up in spans of a small part of it.
     """
 
-    def __init__(self, scene: Scene, cell: float) -> None:
+    def __init__(self, scene: Scene, cell: float, horizon: float) -> None:
         corners = np.array([*scene.workspace, *(r.start for r in scene.robots), *(r.goal for r in scene.robots)])
         low, high = corners.min(axis=0), corners.max(axis=0)
         radii = sorted(r.radius for r in scene.robots)[-2:]
         self._scene = scene
         self._reach = sum(radii) + scene.gap + scene.tol
-        # at most about a million cells, however small the robots are
-        cell = max(cell, self._reach, float((high - low).max()) / 1000.0)
-        self._frame: Floats = np.array([low[0], low[1], cell])
-        self._shape: Ints = np.floor((high - low) / cell).astype(np.int64) + 1
-        self._head: Ints = np.full(int(self._shape.prod()), -1, dtype=np.int64)
+        # at most about 250 × 250 cells, however small the robots are
+        cell = max(cell, self._reach, float((high - low).max()) / 250.0)
+        columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
+        self._frame: Floats = np.array([low[0], low[1], cell, horizon / _SPANS])
+        self._shape: Ints = np.array([columns, rows, _SPANS], dtype=np.int64)
+        self._head: Ints = np.full((columns * rows, _SPANS + 1), -1, dtype=np.int64)
         self._entry: Ints = np.empty(1024, dtype=np.int64)
         self._following: Ints = np.empty(1024, dtype=np.int64)
         self._entries = 0

@@ -56,6 +56,12 @@ class World:
         return min(finite, default=math.inf)
 
     @property
+    def horizon(self) -> float:
+        """Seconds by which all robots would have arrived if nobody waited."""
+        pairs = zip(self.scene.robots, self.routes, strict=True)
+        return max(robot.start_time + route.length / robot.speed for robot, route in pairs) or 1.0
+
+    @property
     def moment(self) -> float:
         """Seconds that a slow robot takes to get out of the way: for so long starts are held at first."""
         robots = self.scene.robots
