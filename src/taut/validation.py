@@ -45,7 +45,11 @@ def validate(scene: Scene) -> tuple[str, ...]:
     SceneError
         A ring that is none, two robots too close, two point robots without gap.
     """
-    tol = scene.tol
+    with np.errstate(all="ignore"):  # numbers at the ends of the range; what is not computed there blocks nothing
+        return _validated(scene, scene.tol)
+
+
+def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
     if tol > 2.0**-40 * _LARGEST:
         raise SceneError(f"coordinates beyond {_LARGEST:g} m cannot be computed with; use other units")
     _check_rings(scene)

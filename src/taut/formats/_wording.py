@@ -39,7 +39,7 @@ def fault(document: Document, error: ValidationError) -> SceneError:
 def subject(data: Any, place: Place) -> tuple[str, Place]:
     """Return what a place belongs to ("robot R1: ", "obstacle number 3: ", "") and the rest of the place."""
     before = ""
-    if place[:1] == ("scene",) and isinstance(data, dict):
+    if place[:1] == ("scene",) and len(place) > 1 and isinstance(data, dict):
         before, data, place = "scene: ", data.get("scene"), place[1:]
     if len(place) < 2 or place[0] not in ("robots", "obstacles") or not isinstance(place[1], int):
         return before, place
@@ -127,6 +127,8 @@ def _expected(kind: str, field: str, rest: Place, value: Any, context: Any, mess
         return f"must be {context['expected'].replace(chr(39), chr(34))}, {got}"
     if kind == "string_type":
         return f"must be text, {got}" + ("; put it in quotes" if isinstance(value, int | float) else "")
+    if kind == "string_unicode":
+        return "must not hold half of a surrogate pair; it is no character"
     if kind == "string_too_short":
         return "must not be empty"
     if kind in ("too_short", "too_long"):

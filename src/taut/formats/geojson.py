@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from taut.formats._document import Document, Place, shown
 from taut.formats._outline import Area, Unsplittable, outline_and_obstacles
 from taut.formats._rings import Ring
@@ -60,7 +62,8 @@ def scene_of_geojson(document: Document) -> Scene:
     if not found.boundaries:
         raise document.error('no boundary: add one Polygon feature with the property "role": "boundary"')
     try:
-        outline, entries = outline_and_obstacles(found.boundaries, found.obstacles)
+        with np.errstate(over="ignore", invalid="ignore"):  # numbers beyond computing are for validation to refuse
+            outline, entries = outline_and_obstacles(found.boundaries, found.obstacles)
     except Unsplittable as error:
         raise document.error(str(error), error.place) from None
     places: dict[Place, Place] = {("workspace",): found.boundaries[0].place}
@@ -140,8 +143,8 @@ class _Found:
     def _boundary(self, who: str, kind: Any, coordinates: Any, properties: dict[str, Any], place: Place) -> None:
         if kind not in ("Polygon", "MultiPolygon"):
             raise self.document.error(f"{who} must be a Polygon, got {shown(kind)}", place)
-        for rings in self._polygons(who, kind, coordinates, place):
-            self.boundaries.append(Area("", rings, place))
+        if polygons := self._polygons(who, kind, coordinates, place):
+            self.boundaries.append(Area("", polygons, place))
 
     def _obstacle(self, who: str, kind: Any, coordinates: Any, properties: dict[str, Any], place: Place) -> None:
         inside = (*place, "properties")
@@ -160,8 +163,7 @@ class _Found:
             text = properties.get("name", "")
             if not isinstance(text, str):
                 raise self.document.error(f"{who}: name must be text, got {shown(text)}", (*inside, "name"))
-            for rings in self._polygons(who, kind, coordinates, place):
-                self.obstacles.append(Area(text, rings, place))
+            self.obstacles.append(Area(text, self._polygons(who, kind, coordinates, place), place))
         else:
             allowed = "a Polygon, a MultiPolygon, a Point with `radius` or a LineString with `width`"
             raise self.document.error(f"{who} must be {allowed}, got {shown(kind)}", place)

@@ -30,12 +30,9 @@ def parse_json(text: str, file: str | None = None) -> Document:
         Not strict JSON (NaN and Infinity are not), a key given twice, too deep.
     """
     try:
-        data = json.loads(text, object_pairs_hook=_unique, parse_constant=_constant, parse_int=_int)
+        data = _strict(text, file)
     except json.JSONDecodeError as error:
         raise SceneError(one_line(f"not valid JSON: {error.msg}"), file, error.lineno) from None
-    except _NeedsLine as error:
-        _located(text, file)
-        raise SceneError(one_line(str(error)), file) from None
     except RecursionError:
         raise SceneError("nested too deep: this is not a scene or plan", file) from None
 
@@ -48,6 +45,15 @@ def parse_json(text: str, file: str | None = None) -> Document:
         return None if document is None else document.line_of(place)
 
     return Document(data, line_of, file)
+
+
+def _strict(text: str, file: str | None) -> Any:
+    try:
+        return json.loads(text, object_pairs_hook=_unique, parse_constant=_constant, parse_int=_int)
+    except _NeedsLine as error:
+        json.loads(text, parse_int=_int)  # JSON that breaks off further on is told as such
+        _located(text, file)
+        raise SceneError(one_line(str(error)), file) from None
 
 
 def _located(text: str, file: str | None) -> Document | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 SHAPES = ("polygon", "circle", "rectangle", "line")
@@ -16,15 +16,9 @@ def _version(value: object) -> object:
     return value
 
 
-def _encodable(text: str) -> str:
-    if any("\ud800" <= c <= "\udfff" for c in text):
-        raise PydanticCustomError("surrogate", "must not hold half of a surrogate pair; it is no character")
-    return text
-
-
 Version = Annotated[Literal[1], BeforeValidator(_version)]
-Text = Annotated[str, Field(strict=True), AfterValidator(_encodable)]
-Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_encodable)]
+Text = Annotated[str, Field(strict=True)]
+Name = Annotated[str, Field(strict=True, min_length=1)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]

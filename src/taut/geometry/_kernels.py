@@ -18,7 +18,7 @@ _ORIENT_ERROR = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
 _SPLITTER = 2.0**27 + 1.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _two_product(a: float, b: float) -> tuple[float, float]:
     """a · b as an unevaluated sum high + low, without error (Dekker)."""
     p = a * b
@@ -31,7 +31,7 @@ def _two_product(a: float, b: float) -> tuple[float, float]:
     return p, al * bl - (((p - ah * bh) - al * bh) - ah * bl)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _orient_exact(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> float:
     """Sign of the determinant from its six products, each exact, summed as an expansion (Shewchuk, Grow-Expansion)."""
     e = np.empty(12)
@@ -64,7 +64,7 @@ def _orient_exact(ax: float, ay: float, bx: float, by: float, cx: float, cy: flo
     return 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def orient(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> float:
     """Positive if a, b, c turn left, negative if right, zero if and only if they lie on one line. The sign is exact."""
     left = (ax - cx) * (by - cy)
@@ -75,7 +75,33 @@ def orient(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> 
     return _orient_exact(ax, ay, bx, by, cx, cy)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _longer(a: Ints) -> Ints:
+    """Copy to twice the length; a loop, because slice assignment compiles ten times as long."""
+    out = np.empty(2 * a.shape[0], dtype=np.int64)
+    for i in range(a.shape[0]):
+        out[i] = a[i]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _head(a: Ints, n: int) -> Ints:
+    out = np.empty(n, dtype=np.int64)
+    for i in range(n):
+        out[i] = a[i]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _higher(stack: Ints) -> Ints:
+    out = np.empty((2 * stack.shape[0], stack.shape[1]), dtype=np.int64)
+    for i in range(stack.shape[0]):
+        for k in range(stack.shape[1]):
+            out[i, k] = stack[i, k]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def straight_corners(xy: Floats, ring_start: Ints, shared: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Mark ring vertices that lie exactly on the line through their neighbours and on no other ring.
 
@@ -93,7 +119,7 @@ def straight_corners(xy: Floats, ring_start: Ints, shared: NDArray[np.bool_]) ->
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def label_parts(nbr: Ints) -> tuple[Ints, int]:
     """Number the parts of the region that hang together through edges: label of each triangle, how many."""
     m = nbr.shape[0]
@@ -119,7 +145,7 @@ def label_parts(nbr: Ints) -> tuple[Ints, int]:
     return part, count
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def wedges(tri: Ints, nbr: Ints) -> tuple[Ints, Ints]:
     """Find the wedges, the open sectors of free space about each vertex.
 
@@ -162,7 +188,7 @@ def wedges(tri: Ints, nbr: Ints) -> tuple[Ints, Ints]:
     return fan, wedge_of
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def wedge_turns(xy: Floats, fan: Ints) -> Ints:
     """+1 for a wedge wider than π, 0 for exactly π, −1 for narrower."""
     out = np.empty(fan.shape[0], dtype=np.int64)
@@ -181,7 +207,7 @@ def wedge_turns(xy: Floats, fan: Ints) -> Ints:
 # Point location: a uniform grid; each cell lists the triangles that may reach into it
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[float, float]:
     """The x-range of triangle t within the strip lo ≤ y ≤ hi, widened a little; empty as (inf, -inf)."""
     x0, x1 = np.inf, -np.inf
@@ -204,17 +230,19 @@ def _row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[floa
     return x0, x1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _cell(x: float, x0: float, step: float, n: int) -> int:
     return min(max(int((x - x0) / step), 0), n - 1)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def location_grid(xy: Floats, tri: Ints) -> tuple[Floats, Ints, Ints, Ints]:
     """Build the grid: frame (x0, y0, step), shape (columns, rows), CSR of triangles per cell."""
     m = tri.shape[0]
-    x0, y0 = xy[:, 0].min(), xy[:, 1].min()
-    wide, high = xy[:, 0].max() - x0, xy[:, 1].max() - y0
+    x0, y0, x1, y1 = xy[0, 0], xy[0, 1], xy[0, 0], xy[0, 1]
+    for i in range(xy.shape[0]):
+        x0, y0, x1, y1 = min(x0, xy[i, 0]), min(y0, xy[i, 1]), max(x1, xy[i, 0]), max(y1, xy[i, 1])
+    wide, high = x1 - x0, y1 - y0
     step = max(np.sqrt(wide * high / m), wide / 4000.0, high / 4000.0)
     nx, ny = int(wide / step) + 1, int(high / step) + 1
     frame = np.array([x0, y0, step])
@@ -245,7 +273,7 @@ def location_grid(xy: Floats, tri: Ints) -> tuple[Floats, Ints, Ints, Ints]:
     return frame, shape, start, items
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _inside(xy: Floats, tri: Ints, t: int, x: float, y: float) -> bool:
     for k in range(3):
         a, b = tri[t, k], tri[t, (k + 1) % 3]
@@ -254,7 +282,7 @@ def _inside(xy: Floats, tri: Ints, t: int, x: float, y: float) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items: Ints, points: Floats) -> Ints:
     """For each point the number of a triangle that contains it (boundary included), −1 outside. Exact."""
     out = np.full(points.shape[0], -1, dtype=np.int64)
@@ -274,7 +302,7 @@ def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items
 # Seeing
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _roots(
     xy: Floats, tri: Ints, nbr: Ints, fan: Ints, vertex_start: Ints, vertex_wedges: Ints, t: int, x: float, y: float
 ) -> Ints:
@@ -289,9 +317,7 @@ def _roots(
                 s, j = fan[w, 3], fan[w, 4]
                 while s >= 0:
                     if n == out.shape[0]:
-                        wider = np.empty(2 * n, dtype=np.int64)
-                        wider[:n] = out
-                        out = wider
+                        out = _longer(out)
                     out[n] = s
                     n += 1
                     s = nbr[s, (j + 2) % 3]
@@ -299,15 +325,19 @@ def _roots(
                         j = 0
                         while tri[s, j] != v:
                             j += 1
-            return out[:n]
+            return _head(out, n)
     for k in range(3):
         a, b = tri[t, k], tri[t, (k + 1) % 3]
         if nbr[t, k] >= 0 and orient(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], x, y) == 0.0:
-            return np.array([t, nbr[t, k]])
-    return np.array([t])
+            both = np.empty(2, dtype=np.int64)
+            both[0], both[1] = t, nbr[t, k]
+            return both
+    one = np.empty(1, dtype=np.int64)
+    one[0] = t
+    return one
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> bool:
     """Whether the line from p through vertex v strictly separates v's boundary neighbours: then no taut path bends at v."""
     vx, vy = xy[v, 0], xy[v, 1]
@@ -316,14 +346,14 @@ def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> boo
     return (ob > 0.0 and oa < 0.0) or (ob < 0.0 and oa > 0.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _blind(xy: Floats, root: int, b: int, a: int, u: int) -> bool:
     """Whether u lies, seen from corner `root`, where no taut path can leave: both boundary edges would be cut off."""
     vx, vy, ux, uy = xy[root, 0], xy[root, 1], xy[u, 0], xy[u, 1]
     return orient(vx, vy, xy[b, 0], xy[b, 1], ux, uy) >= 0.0 and orient(vx, vy, xy[a, 0], xy[a, 1], ux, uy) <= 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _beyond(xy: Floats, a: int, b: int, px: float, py: float, reach: float) -> bool:
     """Whether the segment from vertex a to vertex b is farther than ``reach`` from p."""
     ax, ay = xy[a, 0] - px, xy[a, 1] - py
@@ -333,7 +363,7 @@ def _beyond(xy: Floats, a: int, b: int, px: float, py: float, reach: float) -> b
     return dx * dx + dy * dy > reach * reach
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _expand(
     xy: Floats,
     tri: Ints,
@@ -363,9 +393,7 @@ def _expand(
         u = tri[t, j]
         ux, uy = xy[u, 0], xy[u, 1]
         if top + 2 > stack.shape[0]:
-            higher = np.empty((2 * stack.shape[0], 6), dtype=np.int64)
-            higher[:top] = stack[:top]
-            stack = higher
+            stack = _higher(stack)
         beyond_left = orient(px, py, xy[left, 0], xy[left, 1], ux, uy) >= 0.0
         beyond_right = (not beyond_left) and orient(px, py, xy[right, 0], xy[right, 1], ux, uy) <= 0.0
         k_right, k_left = (k + 1) % 3, (k + 2) % 3
@@ -381,9 +409,7 @@ def _expand(
                 top += 1
             continue
         if n == seen.shape[0]:
-            longer = np.empty(2 * n, dtype=np.int64)
-            longer[:n] = seen
-            seen = longer
+            seen = _longer(seen)
         seen[n] = wedge_of[t, j]
         n += 1
         u_blind = 0
@@ -404,7 +430,7 @@ def _expand(
     return stack, seen, n
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _push_root(
     xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, root: Ints, stack: Ints, top: int
 ) -> tuple[Ints, int]:
@@ -420,9 +446,7 @@ def _push_root(
         if right_blind == 1 and left_blind == 1:
             return stack, top
     if top == stack.shape[0]:
-        higher = np.empty((2 * stack.shape[0], 6), dtype=np.int64)
-        higher[:top] = stack
-        stack = higher
+        stack = _higher(stack)
     i = 0
     while nbr[s, i] != t or tri[s, (i + 1) % 3] != right:
         i += 1
@@ -431,7 +455,7 @@ def _push_root(
     return stack, top + 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def see_from_wedges(
     xy: Floats, tri: Ints, nbr: Ints, fan: Ints, wedge_of: Ints, wanted: NDArray[np.bool_], taut: bool, first: int, last: int
 ) -> tuple[Ints, Ints]:
@@ -456,9 +480,7 @@ def see_from_wedges(
         s, j = fan[v, 3], fan[v, 4]
         while s >= 0:
             if n + 2 > seen.shape[0]:
-                longer = np.empty(2 * seen.shape[0], dtype=np.int64)
-                longer[:n] = seen[:n]
-                seen = longer
+                seen = _longer(seen)
             seen[n] = wedge_of[s, (j + 1) % 3]
             n += 1
             stack, top = _push_root(xy, tri, nbr, s, (j + 1) % 3, root, stack, 0)
@@ -466,9 +488,7 @@ def see_from_wedges(
             following = nbr[s, (j + 2) % 3]
             if following < 0:
                 if n == seen.shape[0]:
-                    longer = np.empty(2 * n, dtype=np.int64)
-                    longer[:n] = seen
-                    seen = longer
+                    seen = _longer(seen)
                 seen[n] = wedge_of[s, (j + 2) % 3]
                 n += 1
                 break
@@ -487,18 +507,13 @@ def see_from_wedges(
                 ):
                     continue
             if count == va.shape[0]:
-                longer_a = np.empty(2 * count, dtype=np.int64)
-                longer_a[:count] = va
-                va = longer_a
-                longer_b = np.empty(2 * count, dtype=np.int64)
-                longer_b[:count] = vb
-                vb = longer_b
+                va, vb = _longer(va), _longer(vb)
             va[count], vb[count] = v, w
             count += 1
-    return va[:count].copy(), vb[:count].copy()
+    return _head(va, count), _head(vb, count)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def see_from_points(
     xy: Floats,
     tri: Ints,
@@ -513,7 +528,7 @@ def see_from_points(
     triangles: Ints,
     reach: float,
 ) -> tuple[Ints, Ints]:
-    """Wanted wedges seen from each point with no vertex strictly between: CSR (start, wedge), wedges ascending.
+    """Wanted wedges seen from each point with no vertex strictly between: CSR (start, wedge).
 
     ``triangles[i]`` contains point i. Wedges farther than ``reach`` metres may be left out. ``taut`` keeps wedges at which the arriving segment is locally shortest.
     """
@@ -523,6 +538,7 @@ def see_from_points(
     stack = np.empty((64, 6), dtype=np.int64)
     seen = np.empty(256, dtype=np.int64)
     root = np.full(3, -1, dtype=np.int64)
+    met = np.full(fan.shape[0], -1, dtype=np.int64)
     for p in range(points.shape[0]):
         px, py = points[p, 0], points[p, 1]
         n = 0
@@ -530,35 +546,29 @@ def see_from_points(
             for k in range(3):
                 a, b = tri[t, k], tri[t, (k + 1) % 3]
                 if n == seen.shape[0]:
-                    longer = np.empty(2 * n, dtype=np.int64)
-                    longer[:n] = seen
-                    seen = longer
+                    seen = _longer(seen)
                 if xy[a, 0] != px or xy[a, 1] != py:
                     seen[n] = wedge_of[t, k]
                     n += 1
                 if orient(px, py, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]) > 0.0:
                     stack, top = _push_root(xy, tri, nbr, t, k, root, stack, 0)
                     stack, seen, n = _expand(xy, tri, nbr, wedge_of, px, py, root, stack, top, seen, n, reach)
-        found = np.sort(seen[:n])
-        before = -1
         for i in range(n):
-            w = found[i]
-            if w == before or not wanted[w]:
+            w = seen[i]
+            if met[w] == p or not wanted[w]:
                 continue
-            before = w
+            met[w] = p
             if taut and _parts_line(xy, px, py, fan[w, 0], fan[w, 1], fan[w, 2]):
                 continue
             if count == out.shape[0]:
-                longer = np.empty(2 * count, dtype=np.int64)
-                longer[:count] = out
-                out = longer
+                out = _longer(out)
             out[count] = w
             count += 1
         start[p + 1] = count
-    return start, out[:count].copy()
+    return start, _head(out, count)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sees(
     xy: Floats, tri: Ints, nbr: Ints, t: int, px: float, py: float, qx: float, qy: float, longest: int
 ) -> bool:
@@ -603,7 +613,7 @@ def _sees(
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def see_pairs(
     xy: Floats,
     tri: Ints,
@@ -627,7 +637,7 @@ def see_pairs(
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def extend_collinear(positions: Floats, through: NDArray[np.bool_], indptr: Ints, indices: Ints) -> tuple[Ints, Ints]:
     """Further pairs (v, w), v < w, that see each other along a line touching vertices marked ``through`` on the way.
 
@@ -655,19 +665,12 @@ def extend_collinear(positions: Floats, through: NDArray[np.bool_], indptr: Ints
                     if (wx - vx) * (vx - px) + (wy - vy) * (vy - py) <= 0.0 or orient(px, py, vx, vy, wx, wy) != 0.0:
                         continue
                     if top == stack.shape[0]:
-                        higher = np.empty(2 * top, dtype=np.int64)
-                        higher[:top] = stack
-                        stack = higher
+                        stack = _longer(stack)
                     stack[top] = w
                     top += 1
                     if w > p:
                         if count == va.shape[0]:
-                            longer_a = np.empty(2 * count, dtype=np.int64)
-                            longer_a[:count] = va
-                            va = longer_a
-                            longer_b = np.empty(2 * count, dtype=np.int64)
-                            longer_b[:count] = vb
-                            vb = longer_b
+                            va, vb = _longer(va), _longer(vb)
                         va[count], vb[count] = p, w
                         count += 1
-    return va[:count].copy(), vb[:count].copy()
+    return _head(va, count), _head(vb, count)

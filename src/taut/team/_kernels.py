@@ -293,12 +293,28 @@ def _crossing(
 # with frame = (x0, y0, side of a cell, seconds of a span) and shape = (columns, rows, spans).
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _longer_floats(a: Floats) -> Floats:
+    out = np.empty(2 * a.shape[0])
+    for i in range(a.shape[0]):
+        out[i] = a[i]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _longer_ints(a: Ints) -> Ints:
+    out = np.empty(2 * a.shape[0], dtype=np.int64)
+    for i in range(a.shape[0]):
+        out[i] = a[i]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _cell(x: float, x0: float, step: float, n: int) -> int:
     return min(max(int((x - x0) / step), 0), n - 1)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _rows(
     x0: float, y0: float, x1: float, y1: float, reach: float, col: int, frame: Floats, rows: int
 ) -> tuple[int, int]:
@@ -320,7 +336,7 @@ def _rows(
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _spans(t0: float, t1: float, frame: Floats, shape: Ints) -> tuple[int, int]:
     """First span of a stretch of time, before the modulus, and how many it touches (all of them at most)."""
     spans = shape[2]
@@ -330,7 +346,7 @@ def _spans(t0: float, t1: float, frame: Floats, shape: Ints) -> tuple[int, int]:
     return first, min(int(t1 / frame[3]) - first + 1, spans)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _within(a: float, b: float, lo: float, hi: float) -> tuple[float, float]:
     """Fractions of the way from a to b that lie between lo and hi, as (first, last)."""
     if a == b:
@@ -339,7 +355,7 @@ def _within(a: float, b: float, lo: float, hi: float) -> tuple[float, float]:
     return max(min(f, g), 0.0), min(max(f, g), 1.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _passage(
     ax: float, ay: float, bx: float, by: float, reach: float, col: int, row: int, frame: Floats
 ) -> tuple[float, float]:
@@ -350,7 +366,7 @@ def _passage(
     return max(f0, g0), min(f1, g1)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def enter_legs(
     legs: Floats,
     first: int,
@@ -372,13 +388,8 @@ def enter_legs(
         for col in range(col0, col1 + 1):
             row0, row1 = _rows(x0, y0, x1, y1, reach, col, frame, shape[1])
             needed = count + (row1 - row0 + 1) * shape[2]
-            if needed > entry.shape[0]:
-                longer = np.empty(2 * needed, dtype=np.int64)
-                longer[:count] = entry[:count]
-                entry = longer
-                longer = np.empty(2 * needed, dtype=np.int64)
-                longer[:count] = following[:count]
-                following = longer
+            while needed > entry.shape[0]:
+                entry, following = _longer_ints(entry), _longer_ints(following)
             for row in range(row0, row1 + 1):
                 cell = row * shape[0] + col
                 span0, spans = shape[2], 1
@@ -396,20 +407,15 @@ def enter_legs(
     return entry, following, count
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _append(lo: Floats, hi: Floats, count: int, a: float, b: float) -> tuple[Floats, Floats, int]:
     if count == lo.shape[0]:
-        longer = np.empty(2 * count)
-        longer[:count] = lo
-        lo = longer
-        longer = np.empty(2 * count)
-        longer[:count] = hi
-        hi = longer
+        lo, hi = _longer_floats(lo), _longer_floats(hi)
     lo[count], hi[count] = a, b
     return lo, hi, count + 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _merge(lo: Floats, hi: Floats, count: int) -> int:
     """Sort open intervals and join those that overlap; returns how many remain."""
     for i in range(1, count):
@@ -429,7 +435,7 @@ def _merge(lo: Floats, hi: Floats, count: int) -> int:
     return n
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _place_conflicts(
     x: float, y: float, reserved: Reserved, who: int, body: Floats, lo: Floats, hi: Floats, stamp: Ints, mark: int
 ) -> tuple[Floats, Floats, int]:
@@ -457,7 +463,7 @@ def _place_conflicts(
     return lo, hi, _merge(lo, hi, count)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _edge_conflicts(
     edge: tuple[float, float, float, float],
     tau: float,
@@ -505,7 +511,7 @@ def _edge_conflicts(
     return lo, hi, _merge(lo, hi, count)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _earliest_departure(
     edge: tuple[float, float, float, float],
     tau: float,
@@ -532,7 +538,7 @@ def _earliest_departure(
     return inf, lo, hi, mark
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def blockers(
     positions: Floats, tau: Floats, depart: Floats, reserved: Reserved, who: int, body: Floats
 ) -> tuple[Ints, Ints]:
@@ -553,13 +559,13 @@ def blockers(
             if found and a - body[2] < depart[k] < b + body[2]:
                 found_leg[count], found_edge[count] = i, k
                 count += 1
-    return found_leg[:count].copy(), found_edge[:count].copy()
+    return found_leg[:count], found_edge[:count]
 
 
 # --- Safe-interval search ---------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
     """Insert into a binary heap; ties are served by the smaller item."""
     i = size
@@ -572,7 +578,7 @@ def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _drop_first(keys: Floats, items: Ints, size: int) -> None:
     last = size - 1
     key, item = keys[last], items[last]
@@ -592,7 +598,7 @@ def _drop_first(keys: Floats, items: Ints, size: int) -> None:
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _settle(
     v: int,
     base: Adjacency,
@@ -630,7 +636,7 @@ def _settle(
     return size
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _first_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     """The first time ≥ t outside the intervals."""
     for i in range(count):
@@ -639,7 +645,7 @@ def _first_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     return t
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _last_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     """The last time ≤ t outside the intervals."""
     for i in range(count - 1, -1, -1):
@@ -648,21 +654,7 @@ def _last_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     return t
 
 
-@njit(cache=True, nogil=True)
-def _longer_floats(a: Floats) -> Floats:
-    out = np.empty(2 * a.shape[0])
-    out[: a.shape[0]] = a
-    return out
-
-
-@njit(cache=True, nogil=True)
-def _longer_ints(a: Ints) -> Ints:
-    out = np.empty(2 * a.shape[0], dtype=np.int64)
-    out[: a.shape[0]] = a
-    return out
-
-
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def safe_interval_search(
     base: Adjacency,
     over: Adjacency,
@@ -880,7 +872,7 @@ def safe_interval_search(
     return True, out_vertex, out_arrive, out_depart, goal, arrive[reached], pops
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _edge_time(base: Adjacency, over: Adjacency, n_base: int, u: int, v: int, speed: float) -> float:
     best = inf
     if u < n_base:

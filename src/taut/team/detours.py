@@ -59,7 +59,6 @@ def _closest_approach(leg: Floats, a: Floats, b: Floats, depart: float, tau: flo
 def _sentence(met: dict[str, tuple[float, float, float]]) -> str:
     if not met:
         return "gives way to starts held for robots planned later"
-    first = sorted(met.items(), key=lambda item: item[1])
-    words = [f"{name} near ({x:.2f}, {y:.2f}) at {t:.2f} s" for name, (t, x, y) in first[:3]]
-    more = f" and {len(first) - 3} more" if len(first) > 3 else ""
-    return f"gives way to {', '.join(words)}{more}"
+    (name, (t, x, y)), *others = sorted(met.items(), key=lambda item: item[1])
+    more = f" and {len(others)} more" if others else ""
+    return f"gives way to {name} near ({x:.2f}, {y:.2f}) at {t:.2f} s{more}"

@@ -6,20 +6,24 @@ Complexity: one safe-interval search for each robot and round.
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from taut.motion import Trajectory
 from taut.scene import Scene
 from taut.team import _kernels
-from taut.team._kernels import Ints
+from taut.team._kernels import Floats
 from taut.team.reservations import Reservations
 from taut.team.world import World
 
 MOST_ROUNDS = 60
+
+Stamp: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory |
     if not found:
         place = positions[stuck]
         return Failure(i, (float(place[0]), float(place[1])), float(when), _in_the_way(world, i, stuck, when, reservations))
-    return Trajectory(robot.name, _stamps(positions[vertices], arrive, depart))
+    return Trajectory(robot.name, _stamps(positions[vertices], arrive, depart, robot.speed, scene.tol))
 
 
 def rounds(world: World, order: Sequence[int], rng: np.random.Generator) -> Iterator[Round]:
@@ -154,13 +158,24 @@ def _stand(world: World, i: int, reservations: Reservations) -> Trajectory | Fai
     return rest
 
 
-def _stamps(points: np.ndarray, arrive: np.ndarray, depart: np.ndarray) -> np.ndarray:
-    rows = [(0.0, *points[0])]
+def _stamps(points: Floats, arrive: Floats, depart: Floats, speed: float, tol: float) -> Floats:
+    """Stamps of a motion, without the rests and the bends that only rounding makes (below tol / 64)."""
+    rows: list[tuple[float, float, float]] = [(0.0, float(points[0, 0]), float(points[0, 1]))]
     for k in range(len(points)):
-        for t in (arrive[k], depart[k]):
-            if t > rows[-1][0]:
-                rows.append((t, *points[k]))
+        x, y = points[k].tolist()
+        for t in (float(arrive[k]), float(depart[k])):
+            if (t - rows[-1][0]) * speed <= tol / 64:
+                continue
+            while len(rows) > 1 and _on_the_way(rows[-2], rows[-1], (t, x, y), tol / 64):
+                rows.pop()
+            rows.append((t, x, y))
     return np.array(rows)
+
+
+def _on_the_way(a: Stamp, b: Stamp, c: Stamp, slack: float) -> bool:
+    """Whether a steady move from a to c is within ``slack`` metres of b at b's time."""
+    f = (b[0] - a[0]) / (c[0] - a[0])
+    return math.hypot(a[1] + f * (c[1] - a[1]) - b[1], a[2] + f * (c[2] - a[2]) - b[2]) <= slack
 
 
 def _passers(world: World, i: int, place: Sequence[float], reservations: Reservations) -> list[int]:
@@ -185,7 +200,7 @@ def _in_the_way(world: World, i: int, stuck: int, when: float, reservations: Res
     return tuple(sorted(set(near)))
 
 
-def _closest(legs: np.ndarray, place: np.ndarray) -> np.ndarray:
+def _closest(legs: Floats, place: Floats) -> Floats:
     a, b = legs[:, 0:2], legs[:, 3:5]
     e = b - a
     square = (e * e).sum(axis=1)
