@@ -270,6 +270,17 @@ def test_a_path_through_an_obstacle_is_found_with_its_depth(obstacle: Obstacle, 
     assert ("crossing" in kinds(certificate)) == (radius == 0)
 
 
+@pytest.mark.parametrize("flip", [1, -1])
+def test_the_deepest_of_several_obstacles_is_the_one_reported(flip: int) -> None:
+    solid = [Rectangle(2, 4.5, 1, 1, name="shallow"), Rectangle(5, 4, 2, 2, name="deep")][::flip]
+    for points in ([(1, 5), (9, 5)], [(9, 5), (1, 5)]):
+        certificate = certify(walk(points, solid))
+        assert certificate.clearance is not None
+        assert certificate.clearance.obstacle == "deep"
+        assert certificate.min_clearance == pytest.approx(-1)
+        assert [(p.kind, p.obstacle) for p in certificate.problems] == [("clearance", "deep"), ("crossing", "deep")]
+
+
 def test_a_robot_wholly_inside_an_obstacle_or_outside_the_workspace_is_found() -> None:
     inside = walk([(4.5, 4.5), (5, 5)], [Rectangle(4, 4, 2, 2, name="X")])
     assert certify(inside).min_clearance == pytest.approx(-1)

@@ -17,7 +17,7 @@ from taut.scene import FloatArray, Obstacle, Robot, Scene
 
 IntArray = NDArray[np.int64]
 
-# products of four coordinates must not overflow in the exact predicates
+# products of four coordinates must neither overflow nor vanish in the exact predicates
 _LARGEST = 1e70
 _NAMED = 5
 # so many of the largest obstacles that might hold another are tried; more matters only in heaps of thousands
@@ -45,13 +45,16 @@ def validate(scene: Scene) -> tuple[str, ...]:
     SceneError
         A ring that is none, two robots too close, two point robots without gap.
     """
-    with np.errstate(all="ignore"):  # numbers at the ends of the range; what is not computed there blocks nothing
+    with np.errstate(all="ignore"):  # shapely warns of tiny numbers in an otherwise common scene
         return _validated(scene, scene.tol)
 
 
 def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
-    if tol > 2.0**-40 * _LARGEST:
-        raise SceneError(f"coordinates beyond {_LARGEST:g} m cannot be computed with; use other units")
+    if not 1 / _LARGEST < 2.0**40 * tol < _LARGEST and tol > 0:
+        message = (
+            f"largest coordinate is {2.0**40 * tol:.3g} m; beyond {_LARGEST:g} and below {1 / _LARGEST:g} nothing can"
+        )
+        raise SceneError(f"the scene's {message} be computed; use other units")
     _check_rings(scene)
     ground = _Ground.of(scene)
     _check_point_robots(scene)

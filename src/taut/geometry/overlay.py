@@ -37,14 +37,14 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
     Polygon or MultiPolygon
         Valid; vertices of the input keep their coordinates bit for bit unless plain overlay fails.
     """
-    sources, grid = np.append(taken, room), _grid(tol)
+    grid = _grid(tol)
     union, rounded = _joined_clusters(taken, tol)
     if not rounded:
         try:
             rest = shapely.difference(room, union)
             balance = shapely.area(room) - shapely.area(rest) - shapely.area(shapely.intersection(room, union))
-            whole = abs(balance) <= _rounding(tol) * (shapely.length(room) + shapely.length(union))
-            if whole and shapely.is_valid(rest) and _faithful(rest, sources, tol):
+            balanced = abs(balance) <= tol / 256 * (shapely.length(room) + shapely.length(union))
+            if balanced and _drawn_from(rest, taken, room, tol) and not _reached(rest, taken, tol).any():
                 return rest
         except shapely.GEOSException:
             pass
@@ -57,8 +57,10 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
 def united(pieces: Shapes, tol: float) -> Any:
     """Return the union of (n,) valid polygons, n ≥ 1, as a MultiPolygon; coordinates are kept as in `remainder`."""
     union, rounded = _joined_clusters(pieces, tol)
-    if not rounded and shapely.is_valid(union) and _faithful(union, pieces, tol):
-        return union
+    if not rounded and _drawn_from(union, pieces, None, tol):
+        outside = shapely.distance(union, shapely.point_on_surface(pieces)) > tol / 64
+        if not outside.any():
+            return union
     return _multipolygon(shapely.union_all(pieces, grid_size=_grid(tol)))
 
 
@@ -94,7 +96,7 @@ def _joined(a: Shapes, b: Shapes, tol: float) -> tuple[Shapes, BoolArray]:
     except shapely.GEOSException:
         return a, np.ones(len(a), dtype=np.bool_)
     balance = shapely.area(a) + shapely.area(b) - shapely.area(union) - shapely.area(common)
-    sound = np.abs(balance) <= _rounding(tol) * (shapely.length(a) + shapely.length(b))
+    sound = np.abs(balance) <= tol / 256 * (shapely.length(a) + shapely.length(b))
     return union, ~(sound & np.isin(shapely.get_type_id(union), (3, 6)))
 
 
@@ -121,36 +123,58 @@ def _along_a_curve(pieces: Shapes) -> NDArray[np.uint64]:
     return code
 
 
-def _rounding(tol: float) -> float:
-    return 2.0**-8 * tol
-
-
 def _grid(tol: float) -> float:
     return float(2.0 ** math.floor(math.log2(tol / 8)))
 
 
-def _faithful(result: Any, sources: Shapes, tol: float) -> bool:
-    """Whether every edge of the result runs, to within rounding, along one of the sources' boundaries.
+def _drawn_from(result: Any, pieces: Shapes, room: Any, tol: float) -> bool:
+    """Whether a result is valid, its edges run along the boundaries of pieces or room, and none through a piece.
 
-    Where plain floating-point overlay fails, GEOS silently moves vertices by up to 1e-8 of the coordinates.
+    Where plain overlay fails, GEOS silently moves vertices by up to 1e-8 of the coordinates. A piece that has an edge
+    of the result inside it was cut in two wrongly; one without is inside the result or outside of it as a whole.
     """
-    start, end = _edges(shapely.get_parts(result))
-    known, keys = np.sort(_keys(*_edges(sources))), _keys(start, end)
-    cut = known[np.searchsorted(known[:-1], keys)] != keys
-    start, end = start[cut], end[cut]
-    if not len(start):
-        return True
-    probes = np.concatenate([start, end, (start + end) / 2])
-    tree = shapely.STRtree(shapely.boundary(sources))
-    probe, source = tree.query(shapely.points(probes), predicate="dwithin", distance=tol / 64)
-    pair, hits = np.unique((probe % len(start)) * len(sources) + source, return_counts=True)
-    return len(np.unique(pair[hits == 3] // len(sources))) == len(start)
+    if not shapely.is_valid(result):
+        return False
+    sources = pieces if room is None else np.append(pieces, room)
+    start, end, _ = _edges(shapely.get_parts(result))
+    *known, owner = _edges(sources)
+    known_keys, keys = _keys(*known), _keys(start, end)
+    order = np.argsort(known_keys)
+    place = order[np.searchsorted(known_keys[order[:-1]], keys)]
+    cut = known_keys[place] != keys
+    middle = (start + end) / 2
+
+    if cut.any():
+        probes = shapely.points(np.concatenate([start[cut], end[cut], middle[cut]]))
+        probe, source = shapely.STRtree(shapely.boundary(sources)).query(probes, "dwithin", tol / 64)
+        edge = probe % np.count_nonzero(cut)
+        pair, hits = np.unique(edge * len(sources) + source, return_counts=True)
+        if len(np.unique(pair[hits == 3] // len(sources))) < np.count_nonzero(cut):
+            return False
+
+    edge, piece = shapely.STRtree(pieces).query(shapely.points(middle))
+    other = cut[edge] | (owner[place[edge]] != piece)
+    edge, piece = edge[other], piece[other]
+    inside = shapely.contains_xy(pieces[piece], middle[edge])
+    depth = shapely.distance(shapely.points(middle[edge[inside]]), shapely.boundary(pieces[piece[inside]]))
+    return not (depth > tol / 64).any()
 
 
-def _edges(polygons: Shapes) -> tuple[FloatArray, FloatArray]:
-    at, ring = shapely.get_coordinates(shapely.get_rings(polygons), return_index=True)
+def _reached(region: Any, pieces: Shapes, tol: float) -> BoolArray:
+    """Return, for pieces without an edge of the region inside them, whether the region covers them."""
+    shapely.prepare(region)
+    within = shapely.point_on_surface(pieces)
+    covered: BoolArray = shapely.contains(region, within)
+    covered[covered] = shapely.distance(shapely.boundary(region), within[covered]) > tol / 64
+    return covered
+
+
+def _edges(polygons: Shapes) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return the starts and ends of all edges, and the number of the polygon that each belongs to."""
+    rings, polygon = shapely.get_rings(polygons, return_index=True)
+    at, ring = shapely.get_coordinates(rings, return_index=True)
     inside = ring[1:] == ring[:-1]
-    return at[:-1][inside], at[1:][inside]
+    return at[:-1][inside], at[1:][inside], polygon[ring[1:][inside]]
 
 
 def _keys(start: FloatArray, end: FloatArray) -> NDArray[np.uint64]:
