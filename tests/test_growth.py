@@ -160,7 +160,7 @@ def test_mitres_are_capped_at_twice_the_growth(name: str) -> None:
 
 @pytest.mark.parametrize("name", AWKWARD)
 def test_rounded_grid_keeps_every_promise(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(overlay, "_faithful", lambda *_: False)
+    monkeypatch.setattr(overlay, "_drawn_from", lambda *_: False)
     check(AWKWARD[name], 0.3)
 
 
@@ -353,19 +353,38 @@ def test_a_wall_thinner_than_rounding_still_stands() -> None:
     assert len(shapely.get_parts(free_region(scene, 0.0))) == 2
 
 
+@pytest.mark.parametrize("off", [0.0, 5e-179, 1e-30, 1e-17, 1e-16, 1e-14])
+def test_corners_next_to_a_wall_do_not_open_it(off: float) -> None:
+    kite = Polygon([(0, 0), (0, -1), (1, 0), (1, 1), (off, 6), (-1, 0)])
+    assert free_region(Scene(COMB, [kite]), 2.0).is_empty
+    check(Scene(COMB, [kite]), 0.9)
+
+
 @pytest.mark.parametrize("off", [0.0, 1e-200, 1e-30, 1e-16, 1e-13])
 def test_faces_are_not_lost_where_edges_nearly_coincide(off: float) -> None:
     check(Scene(COMB, [Line([(0, 0), (4, 0), (0, 6), (0, 10), (off, 2)], 0.5)]), 1.0)
 
 
 # two valid polygons whose edges nearly coincide along x = 0; plain union loses 5 of their 67 square metres
-PART = "76 (-4.972791839608686, 62.31354840733076, 19.43900777765627)"
-REST = (
+PART = (
     "POLYGON ((1.25 10.334936490538903, 1.2499999999999998 1.6650635094610964, 0.9999999999999998 "
-    "1.232050807568877, 0.9999999999999998 1, 0 0, 0 0.7500000000000001, -0.3349364905389035 "
-    "0.7500000000000002, -0.9150635094610965 1.0849364905389036, -1.25 1.6650635094610966, 0 2, 0 6, -1.25 "
-    "5.621530452835007, -1.2499999999999998 10.334936490538905, 0 10, 1.25 10.334936490538903), (1.25e-17 9, "
-    "0 10, 0 9, 1.25e-17 9))"
+    "1.232050807568877, 0.9999999999999998 1, 0 0, 0 0.7500000000000001, -0.3349364905389035 0.7500000000000002, "
+    "-0.9150635094610965 1.0849364905389036, -1.25 1.6650635094610966, 0 2, 0 6, -1.25 5.621530452835007, "
+    "-1.2499999999999998 10.334936490538905, 0 10, 1.25 10.334936490538903), (1.25e-17 9, 0 10, 0 9, 1.25e-17 9))"
+)
+REST = (
+    "MULTIPOLYGON (((5 8, 5 1.7320508075688774, 5 1.7320508075688772, 4.732050807568877 1.2679491924311228, "
+    "4.267949192431122 1, 4 1, 4 0.9999999999999999, 9 0.9999999999999998, 10 0, 5.251459648558181 0, "
+    "5.265236067367413 -0.2849872613784868, 4.938950429552447 -0.894657552451574, 4.3457456367264315 -1.25, 4 0, "
+    "2.9599371320776955 -0.6933752452815365, 2.497686968556671 0, 0 0, -0.3349364905389037 -1.2499999999999998, "
+    "-0.9150635094610966 -0.9150635094610965, -1.25 -0.3349364905389032, -1.2499999999999998 0.3349364905389036, "
+    "-0.9150635094610965 0.9150635094610966, -0.3349364905389033 1.25, 1.2990381056766582 1.25, "
+    "1.2679491924311228 1.2679491924311228, 1 1.7320508075688774, 1 2.2465304528350067, 7.816836933956241e-17 "
+    "3.7465304528350067, 1e-16 2, -1.25 1.6650635094610966, -1.25 5.621530452835007, -1.25 10, 0 10, 1.25 10, "
+    "1.25 8.25, 2 9, 2 3, 2.6666666666666665 2, 4 2, 4 9, 6 9, 5 8), (1.0000000000000002 6.302775637731995, 5e-17 "
+    "6, 1 4.5, 1.0000000000000002 6.302775637731995)), ((5.732050807568877 1.0000000000000002, 5.267949192431122 "
+    "1.2679491924311228, 5 1.7320508075688774, 6 2, 8 2, 8 9, 9 8, 9 1.7320508075688772, 8.732050807568877 "
+    "1.2679491924311228, 8.267949192431123 1, 5.732050807568877 1.0000000000000002)))"
 )
 
 
@@ -378,11 +397,20 @@ def test_faces_lost_by_plain_union_are_noticed() -> None:
 
 
 def test_moved_vertices_are_noticed() -> None:
-    sources = np.array([shapely.box(0, 0, 4, 4), shapely.box(1, 1, 2, 2)])
+    sources = np.array([shapely.box(0, 0, 4, 4) - shapely.box(1, 1, 2, 2)])
     good = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)], [[(1, 1), (2, 1), (2, 1.5), (2, 2), (1, 2)]])
     bad = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)], [[(1, 1), (2, 1), (2 + 1e-9, 1.5), (2, 2), (1, 2)]])
-    assert overlay._faithful(good, sources, 1e-11)
-    assert not overlay._faithful(bad, sources, 1e-11)
+    assert overlay._drawn_from(good, sources, None, 1e-11)
+    assert not overlay._drawn_from(bad, sources, None, 1e-11)
+
+
+def test_regions_inside_a_piece_are_noticed() -> None:
+    room, pieces = shapely.box(0, 0, 4, 4), np.array([shapely.box(1, 1, 3, 3), shapely.box(2, 1, 3, 4)])
+    right = overlay.remainder(room, pieces, 1e-11)
+    assert overlay._drawn_from(right, pieces, room, 1e-11)
+    assert not overlay._reached(right, pieces, 1e-11).any()
+    assert not overlay._drawn_from(shapely.union(right, shapely.box(2, 1, 3, 3)), pieces, room, 1e-11)
+    assert overlay._reached(room, pieces, 1e-11).tolist() == [True, True]
 
 
 def test_order_and_direction_of_input_do_not_matter() -> None:

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from naive import Pair, Vertex, naive_shortest, naive_visibility
 from strategies import scenes
-from zoo import ZOO, Entry
-
 from taut.errors import NoPath
 from taut.freespace import FreeSpace
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.route import shortest_path
 from taut.scene import Scene
+from zoo import ZOO, Entry
 
 MOST_VERTICES = 160
 COARSE = 0.2  # arcs with few corners, so that the cubic references stay quick
@@ -72,7 +73,7 @@ def check_routes(space: FreeSpace) -> None:
     points = ends(space)
     if len(points) < 2:
         return
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         expected = naive_shortest(space.region, a.tolist(), b.tolist())
         if expected is None:
             with pytest.raises(NoPath):

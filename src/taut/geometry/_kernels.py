@@ -1,7 +1,7 @@
 """Kernels of the plane: exact orientation, triangulation tables, point location, triangular expansion.
 
-A triangulation is three arrays: ``xy`` (n, 2) vertices, ``tri`` (m, 3) vertex numbers counter-clockwise, ``nbr`` (m, 3) where
-``nbr[t, k]`` lies across the edge from ``tri[t, k]`` to ``tri[t, k + 1]``, −1 at the boundary of the region.
+A triangulation is three arrays: ``xy`` (n, 2) vertices, ``tri`` (m, 3) vertex numbers counter-clockwise, ``nbr`` (m, 3)
+where ``nbr[t, k]`` lies across the edge from ``tri[t, k]`` to ``tri[t, k + 1]``, −1 at the boundary of the region.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Shewchuk 1997, Adaptive precision floating-point arithmetic: error of the plain 2 × 2 determinant, (3 + 16 ε) ε with ε = 2⁻⁵³
+# Shewchuk 1997, Adaptive precision floating-point arithmetic: error bound of the plain determinant, ε = 2⁻⁵³
 _ORIENT_ERROR = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
 _SPLITTER = 2.0**27 + 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _two_product(a: float, b: float) -> tuple[float, float]:
-    """a · b as an unevaluated sum high + low, without error (Dekker)."""
+    """The product a · b as an unevaluated sum high + low, without error (Dekker)."""
     p = a * b
     c = _SPLITTER * a
     ah = c - (c - a)
@@ -60,7 +60,7 @@ def _orient_exact(ax: float, ay: float, bx: float, by: float, cx: float, cy: flo
             n += 1
     for i in range(n - 1, -1, -1):
         if e[i] != 0.0:
-            return e[i]
+            return float(e[i])
     return 0.0
 
 
@@ -70,9 +70,9 @@ def orient(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> 
     left = (ax - cx) * (by - cy)
     right = (ay - cy) * (bx - cx)
     det = left - right
-    if abs(det) > _ORIENT_ERROR * (abs(left) + abs(right)):
-        return det
-    return _orient_exact(ax, ay, bx, by, cx, cy)
+    if not abs(det) > _ORIENT_ERROR * (abs(left) + abs(right)):
+        det = _orient_exact(ax, ay, bx, by, cx, cy)
+    return det
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -339,7 +339,7 @@ def _roots(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> bool:
-    """Whether the line from p through vertex v strictly separates v's boundary neighbours: then no taut path bends at v."""
+    """Whether the line from p through vertex v strictly separates v's neighbours: then no taut path bends at v."""
     vx, vy = xy[v, 0], xy[v, 1]
     ob = orient(px, py, vx, vy, xy[b, 0], xy[b, 1])
     oa = orient(px, py, vx, vy, xy[a, 0], xy[a, 1])
@@ -360,7 +360,7 @@ def _beyond(xy: Floats, a: int, b: int, px: float, py: float, reach: float) -> b
     ex, ey = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     f = min(max(-(ax * ex + ay * ey) / (ex * ex + ey * ey), 0.0), 1.0)
     dx, dy = ax + f * ex, ay + f * ey
-    return dx * dx + dy * dy > reach * reach
+    return bool(dx * dx + dy * dy > reach * reach)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -380,8 +380,9 @@ def _expand(
 ) -> tuple[Ints, Ints, int]:
     """Triangular expansion: follow the cones on the stack and append every wedge strictly inside one to ``seen``.
 
-    Nothing is followed through edges farther than ``reach`` metres. A stack row is triangle, edge by which it is entered, right and left vertex of the cone, and whether each of these
-    two directions is blind. ``root`` is (vertex, first, last) of a corner whose taut directions alone matter, or −1s.
+    Nothing is followed through edges farther than ``reach`` metres. A stack row is triangle, edge by which it is
+    entered, right and left vertex of the cone, and whether each of these two directions is blind. ``root`` is
+    (vertex, first, last) of a corner whose taut directions alone matter, or −1s.
     """
     while top > 0:
         top -= 1
@@ -431,9 +432,7 @@ def _expand(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _push_root(
-    xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, root: Ints, stack: Ints, top: int
-) -> tuple[Ints, int]:
+def _push_root(xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, root: Ints, stack: Ints, top: int) -> tuple[Ints, int]:
     """Push the cone from the root through edge k of triangle t, unless it is closed or wholly blind."""
     s = nbr[t, k]
     if s < 0:
@@ -457,7 +456,15 @@ def _push_root(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def see_from_wedges(
-    xy: Floats, tri: Ints, nbr: Ints, fan: Ints, wedge_of: Ints, wanted: NDArray[np.bool_], taut: bool, first: int, last: int
+    xy: Floats,
+    tri: Ints,
+    nbr: Ints,
+    fan: Ints,
+    wedge_of: Ints,
+    wanted: NDArray[np.bool_],
+    taut: bool,
+    first: int,
+    last: int,
 ) -> tuple[Ints, Ints]:
     """Pairs (v, w), v < w, of wanted wedges v in [first, last) that see each other with no vertex strictly between.
 
@@ -530,7 +537,8 @@ def see_from_points(
 ) -> tuple[Ints, Ints]:
     """Wanted wedges seen from each point with no vertex strictly between: CSR (start, wedge).
 
-    ``triangles[i]`` contains point i. Wedges farther than ``reach`` metres may be left out. ``taut`` keeps wedges at which the arriving segment is locally shortest.
+    ``triangles[i]`` contains point i. Wedges farther than ``reach`` metres may be left out.
+    ``taut`` keeps wedges at which the arriving segment is locally shortest.
     """
     start = np.zeros(points.shape[0] + 1, dtype=np.int64)
     out = np.empty(256, dtype=np.int64)
@@ -569,9 +577,7 @@ def see_from_points(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sees(
-    xy: Floats, tri: Ints, nbr: Ints, t: int, px: float, py: float, qx: float, qy: float, longest: int
-) -> bool:
+def _sees(xy: Floats, tri: Ints, nbr: Ints, t: int, px: float, py: float, qx: float, qy: float, longest: int) -> bool:
     """Whether q is seen from p, which triangle t contains, starting through t: no vertex strictly between."""
     if _inside(xy, tri, t, qx, qy):
         return True

@@ -23,6 +23,11 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 Shapes: TypeAlias = NDArray[np.object_]
 
 
+# GEOS works with numbers near underflow and leaves the flags that NumPy would warn about
+_quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore")
+
+
+@_quiet
 def remainder(room: Any, taken: Shapes, tol: float) -> Any:
     """Return a polygon without the pieces taken from it.
 
@@ -54,6 +59,7 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
     return shapely.difference(room, union, grid_size=grid)
 
 
+@_quiet
 def united(pieces: Shapes, tol: float) -> Any:
     """Return the union of (n,) valid polygons, n ≥ 1, as a MultiPolygon; coordinates are kept as in `remainder`."""
     union, rounded = _joined_clusters(pieces, tol)

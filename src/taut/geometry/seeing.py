@@ -52,7 +52,7 @@ def see_from(
 ) -> tuple[Ints, Ints]:
     """Wanted wedges that each point sees with no vertex strictly between, as CSR (start, wedge).
 
-    ``triangles`` holds each point's triangle (see `Triangulation.locate`); a point on a vertex sees from all its wedges.
+    ``triangles`` holds each point's triangle (see `Triangulation.locate`); on a vertex it sees from all its wedges.
     Wedges farther than ``reach`` metres may be left out.
     """
     return _kernels.see_from_points(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pythoncdt
@@ -30,9 +31,9 @@ class Triangulation:
     parts : (m,) number of the connected part of each triangle, from 0.
     part_count : how many parts there are.
     wedges : (w, 5) the open sectors of the region about its vertices: vertex, first and last boundary neighbour
-        counter-clockwise, first triangle and the vertex' slot in it. A vertex where the region touches itself has several.
+        counter-clockwise, first triangle and the vertex' slot in it. Where the region touches itself there are several.
     wedge_of : (m, 3) wedge of each corner of each triangle.
-    wedge_turns : (w,) +1 where the sector is wider than π (a corner, where shortest paths bend), 0 exactly π, −1 narrower.
+    wedge_turns : (w,) +1 where the sector is wider than π (there shortest paths bend), 0 exactly π, −1 narrower.
     vertex_start, vertex_wedges : CSR of the wedges of each vertex.
     grid : frame, shape, start and items of the point-location grid.
     """
@@ -53,7 +54,9 @@ class Triangulation:
         """Triangle that contains each of (k, 2) points, boundary included and exactly; −1 outside."""
         if self.triangles.shape[0] == 0:
             return np.full(len(points), -1, dtype=np.int64)
-        return _kernels.locate(self.vertices, self.triangles, *self.grid, np.ascontiguousarray(points, dtype=np.float64))
+        return _kernels.locate(
+            self.vertices, self.triangles, *self.grid, np.ascontiguousarray(points, dtype=np.float64)
+        )
 
     def on_pinch(self, points: Floats) -> NDArray[np.bool_]:
         """Whether each of (k, 2) points is a vertex where the region touches itself."""
@@ -75,9 +78,12 @@ def triangulate(region: shapely.Polygon | shapely.MultiPolygon) -> Triangulation
     cdt = pythoncdt.Triangulation(
         pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
     )
-    cdt.insert_vertices(vertices)
+    # arrays are buffers, but only from Python 3.12 on do their types say so
+    points: Any = vertices
+    sides: Any = edges.astype(np.uint32)
+    cdt.insert_vertices(points)
     try:
-        cdt.insert_edges(edges.astype(np.uint32))
+        cdt.insert_edges(sides)
     except RuntimeError as error:
         raise ValueError(f"the rings of the region cross: {error}") from None
     cdt.erase_outer_triangles_and_holes()
@@ -126,6 +132,4 @@ def _tabulate(vertices: Floats, triangles: Ints, neighbours: Ints) -> Triangulat
         else (np.zeros(3), np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64))
     )
     turns = _kernels.wedge_turns(vertices, fan)
-    return Triangulation(
-        vertices, triangles, neighbours, parts, part_count, fan, wedge_of, turns, start, order, grid
-    )
+    return Triangulation(vertices, triangles, neighbours, parts, part_count, fan, wedge_of, turns, start, order, grid)

@@ -34,9 +34,7 @@ def _heap_drop_first(keys: Floats, items: Ints, size: int) -> None:
         if child >= last:
             break
         right = child + 1
-        if right < last and (
-            keys[right] < keys[child] or (keys[right] == keys[child] and items[right] < items[child])
-        ):
+        if right < last and (keys[right] < keys[child] or (keys[right] == keys[child] and items[right] < items[child])):
             child = right
         if key < keys[child] or (key == keys[child] and item <= items[child]):
             break

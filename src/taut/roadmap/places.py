@@ -1,7 +1,7 @@
 """Places to wait and to dodge: a tangent graph enriched so that robots can let each other pass.
 
-A tangent roadmap alone has vertices only at corners; an empty hall has none. Here it is joined with a square lattice over
-the free space (16 directions), the middles of narrow passages and the dead ends of bays.
+A tangent roadmap alone has vertices only at corners; an empty hall has none. Here it is joined with a square lattice
+over the free space (16 directions), the middles of narrow passages and the dead ends of bays.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from taut.freespace import FreeSpace
 from taut.geometry.seeing import see_each_other, see_from
@@ -19,7 +19,7 @@ from taut.graph import Graph
 from taut.roadmap.core import Roadmap
 from taut.roadmap.visibility import VisibilityGraph, visibility_graph
 
-# a square lattice has 16 directions when neighbours up to (2, 1) are joined; a little more also reaches places off the lattice
+# a square lattice has 16 directions when neighbours up to (2, 1) are joined; a little more reaches places off it too
 _REACH = 2.3
 _MOST_LATTICE_PLACES = 8000
 
@@ -41,7 +41,7 @@ class PlacesRoadmap(Roadmap):
     tangents: VisibilityGraph
     triangles: Ints
     spacing: float
-    places: cKDTree
+    places: KDTree
 
     @property
     def wedges(self) -> Ints:
@@ -75,7 +75,7 @@ def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     edges = np.concatenate(pairs)
     lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
     graph = Graph.from_edges(len(positions), edges[lengths > 0], lengths[lengths > 0])
-    return PlacesRoadmap(positions, graph, freespace, tangents, holders, spacing, cKDTree(places))
+    return PlacesRoadmap(positions, graph, freespace, tangents, holders, spacing, KDTree(places))
 
 
 def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:
@@ -108,7 +108,8 @@ def _passages(mesh: Triangulation) -> Floats:
 
 def _dead_ends(mesh: Triangulation) -> Floats:
     """Vertices at which the free space narrows to a point: the deepest places of bays."""
-    return mesh.vertices[mesh.wedges[mesh.wedge_turns < 0, 0]]
+    narrow = mesh.wedges[mesh.wedge_turns < 0, 0]
+    return np.asarray(mesh.vertices[narrow])
 
 
 def _add_unseen(
@@ -118,7 +119,7 @@ def _add_unseen(
     holders = mesh.locate(candidates)
     alone = holders >= 0
     if len(places) and len(candidates):
-        away, nearest = cKDTree(places).query(candidates, distance_upper_bound=near)
+        away, nearest = (np.asarray(x) for x in KDTree(places).query(candidates, distance_upper_bound=near))
         doubtful = np.flatnonzero(alone & np.isfinite(away))
         everything, holding = np.concatenate([places, candidates]), np.concatenate([triangles, holders])
         seen = see_each_other(mesh, everything, holding, len(places) + doubtful, nearest[doubtful].astype(np.int64))
@@ -137,7 +138,7 @@ def _pairs_within(points: Floats, reach: float) -> Ints:
     """Pairs i < j of points at most ``reach`` metres apart, ordered by j, then i."""
     if len(points) < 2:
         return np.empty((0, 2), dtype=np.int64)
-    pairs = cKDTree(points).query_pairs(reach, output_type="ndarray").astype(np.int64)
+    pairs = KDTree(points).query_pairs(reach, output_type="ndarray").astype(np.int64)
     return pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))]
 
 

@@ -72,9 +72,9 @@ def visibility_graph(
     start, seen = see_from(mesh, xy, triangles, wanted, taut=taut)
     first = len(vertices)
     pairs.append(np.stack([number[seen], first + np.repeat(np.arange(len(xy)), np.diff(start))], axis=1))
-    i, j = (index.astype(np.int64) for index in np.triu_indices(len(xy), 1))
-    both = see_each_other(mesh, xy, triangles, i, j)
-    pairs.append(first + np.stack([i[both], j[both]], axis=1))
+    couples = np.stack(np.triu_indices(len(xy), 1), axis=1).astype(np.int64)
+    both = see_each_other(mesh, xy, triangles, couples[:, 0].copy(), couples[:, 1].copy())
+    pairs.append(first + couples[both])
     positions = np.concatenate([mesh.vertices[mesh.wedges[vertices, 0]], xy])
     found = np.concatenate(pairs)
     if not taut:

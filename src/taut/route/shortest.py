@@ -44,7 +44,7 @@ def shortest_routes(
     ends = np.concatenate([np.asarray(p, dtype=np.float64).reshape(-1, 2) for p in (starts, goals)])
     count = len(ends) // 2
     xy, triangles = freespace.anchor(ends)
-    for i in np.flatnonzero(triangles < 0):
+    for i in np.flatnonzero(triangles < 0).tolist():
         error, word = (StartBlocked, "start") if i < count else (GoalBlocked, "goal")
         raise error(f"{word} ({ends[i, 0]:g}, {ends[i, 1]:g}) is not in free space (growth {freespace.growth:g} m)")
     number = np.full(len(mesh.wedges), -1, dtype=np.int64)

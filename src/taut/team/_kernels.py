@@ -286,9 +286,10 @@ def _crossing(
 
 # --- Reservations -----------------------------------------------------------------------------------------------------
 #
-# Legs reserved by planned robots stand in every cell of a uniform grid that they come within `reach` of, so whoever asks
-# about a place looks into one cell only. In a cell they are sorted into spans of time, taken modulo the number of spans,
-# and one last span for rests for ever. The legs of a cell and span are a linked list: head[cell, span], following[entry].
+# Legs reserved by planned robots stand in every cell of a uniform grid that they come within `reach` of, so whoever
+# asks about a place looks into one cell only. In a cell they are sorted into spans of time, taken modulo the number of
+# spans, and one last span for rests for ever. The legs of a cell and span are a linked list: head[cell, span], then
+# following[entry].
 # ``reserved`` = (legs (k, 6): x0, y0, t0, x1, y1, t1; robot (k,); radius (k,); head; entry; following; frame; shape)
 # with frame = (x0, y0, side of a cell, seconds of a span) and shape = (columns, rows, spans).
 
@@ -455,9 +456,7 @@ def _place_conflicts(
                 continue
             stamp[i] = mark
             d = body[0] + radius[i] + body[1]
-            found, a, b = rest_conflict(
-                x, y, legs[i, 0], legs[i, 1], legs[i, 2], legs[i, 3], legs[i, 4], legs[i, 5], d
-            )
+            found, a, b = rest_conflict(x, y, legs[i, 0], legs[i, 1], legs[i, 2], legs[i, 3], legs[i, 4], legs[i, 5], d)
             if found:
                 lo, hi, count = _append(lo, hi, count, a - body[2], b + body[2])
     return lo, hi, _merge(lo, hi, count)
@@ -542,7 +541,7 @@ def _earliest_departure(
 def blockers(
     positions: Floats, tau: Floats, depart: Floats, reserved: Reserved, who: int, body: Floats
 ) -> tuple[Ints, Ints]:
-    """Reserved legs that a motion along ``positions``, leaving vertex k at depart[k], would conflict with: (leg, k) pairs."""
+    """Reserved legs in conflict with a motion along ``positions`` that leaves vertex k at depart[k]: (leg, k) pairs."""
     legs, robot, radius = reserved[0], reserved[1], reserved[2]
     found_leg = np.empty(legs.shape[0] * tau.shape[0], dtype=np.int64)
     found_edge = np.empty(legs.shape[0] * tau.shape[0], dtype=np.int64)
@@ -818,10 +817,8 @@ def safe_interval_search(
                         break
                 if not useful:
                     continue
-                if settled[v]:
-                    left = distance[v]
-                else:
-                    left = np.sqrt((positions[v, 0] - gx) ** 2 + (positions[v, 1] - gy) ** 2)
+                straight = np.sqrt((positions[v, 0] - gx) ** 2 + (positions[v, 1] - gy) ** 2)
+                left = distance[v] if settled[v] else straight
                 if ways == way_from.shape[0]:
                     way_from, way_to, way_time = _longer_ints(way_from), _longer_ints(way_to), _longer_floats(way_time)
                 way_from[ways], way_to[ways], way_time[ways] = item, v, tau

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from taut.geometry.seeing import see_each_other, see_from
 from taut.roadmap import PlacesRoadmap
@@ -72,7 +73,7 @@ def own_roadmap(shared: PlacesRoadmap, routes: list[Route], around: Floats, dist
     xy = np.concatenate([xy, points[-1][free]])
     triangles = np.concatenate([triangles, ring_triangles[free]])
 
-    pairs = [np.array([(a + n, b + n) for chain in chains for a, b in zip(chain, chain[1:], strict=False)])]
+    pairs = [np.array([(a + n, b + n) for chain in chains for a, b in pairwise(chain)])]
     first, seen = see_from(mesh, xy[:2], triangles[:2], mesh.wedge_turns >= 0, taut=True)
     number = np.full(len(mesh.wedges), -1, dtype=np.int64)
     number[shared.wedges] = np.arange(len(shared.wedges))
@@ -108,11 +109,12 @@ def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
         return np.empty((0, 2), dtype=np.int64)
     n, mesh = len(shared.positions), shared.freespace.mesh
     reach = shared.reach
-    away, place = shared.places.query(xy, k=_NEIGHBOURS, distance_upper_bound=reach)
+    nearest = shared.places.query(xy, k=_NEIGHBOURS, distance_upper_bound=reach)
+    away, place = (np.asarray(x) for x in nearest)
     # a bend where free space touches itself belongs to its route alone: other edges would let the robot through
     own, column = np.nonzero(np.isfinite(away) & ~mesh.on_pinch(xy)[:, None])
     pairs = [np.stack([place[own, column] + len(shared.wedges), n + own], axis=1).astype(np.int64)]
-    each_other = cKDTree(xy).query_pairs(0.7 * reach, output_type="ndarray").astype(np.int64)
+    each_other = KDTree(xy).query_pairs(0.7 * reach, output_type="ndarray").astype(np.int64)
     pairs.append(n + each_other[~mesh.on_pinch(xy)[each_other].any(axis=1)])
     candidates = np.concatenate(pairs)
     everything = np.concatenate([shared.positions, xy])

@@ -89,7 +89,9 @@ def plan(
     world = World(scene)
     shortest = np.array([route.length for route in world.routes])
     until = math.inf if seconds is None else began + seconds
-    best, done = plan_rounds(world, _first_order(scene, shortest, order), np.random.default_rng(seed), most, until, progress)
+    best, done = plan_rounds(
+        world, _first_order(scene, shortest, order), np.random.default_rng(seed), most, until, progress
+    )
     if best.failures:
         raise _no_plan(scene, best, done)
     found = [t for t in best.trajectories if t is not None]
@@ -113,7 +115,8 @@ def _first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:
     seconds = shortest / np.array([r.speed for r in scene.robots])
     if order == "given":
         return list(range(len(seconds)))
-    return np.argsort(seconds if order == "shortest" else -seconds, kind="stable").tolist()
+    ranked = np.argsort(seconds if order == "shortest" else -seconds, kind="stable")
+    return [int(i) for i in ranked]
 
 
 def _no_plan(scene: Scene, best: Round, done: int) -> NoPlanFound:

@@ -15,7 +15,6 @@ from typing import TypeAlias
 import numpy as np
 
 from taut.motion import Trajectory
-from taut.scene import Scene
 from taut.team import _kernels
 from taut.team._kernels import Floats
 from taut.team.reservations import Reservations
@@ -94,7 +93,9 @@ def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory |
     )
     if not found:
         place = positions[stuck]
-        return Failure(i, (float(place[0]), float(place[1])), float(when), _in_the_way(world, i, stuck, when, reservations))
+        return Failure(
+            i, (float(place[0]), float(place[1])), float(when), _in_the_way(world, i, stuck, when, reservations)
+        )
     return Trajectory(robot.name, _stamps(positions[vertices], arrive, depart, robot.speed, scene.tol))
 
 
@@ -190,7 +191,7 @@ def _in_the_way(world: World, i: int, stuck: int, when: float, reservations: Res
     scene, robot = world.scene, world.scene.robots[i]
     shared, own = world.shared(i), world.own(i)
     legs, robots, _, *_ = reservations.arrays
-    here = (shared.positions[stuck] if stuck < len(shared.positions) else own.positions[stuck - len(shared.positions)])
+    here = shared.positions[stuck] if stuck < len(shared.positions) else own.positions[stuck - len(shared.positions)]
     near = []
     for place, since in ((here, when), (np.array(robot.goal), 0.0)):
         away = np.hypot(*(_closest(legs, place) - place).T)
@@ -205,4 +206,4 @@ def _closest(legs: Floats, place: Floats) -> Floats:
     e = b - a
     square = (e * e).sum(axis=1)
     f = np.clip(((place - a) * e).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
-    return a + f[:, None] * e
+    return np.asarray(a + f[:, None] * e)
