@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,10 +10,48 @@ from numpy.typing import ArrayLike
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace
 from taut.geometry.seeing import see_each_other, see_from
-from taut.graph.search import astar_between
+from taut.graph import astar_between
+from taut.graph.core import Ints
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.route.core import Route
 from taut.scene import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Attached:
+    """Places joined with the tangent graph of a free space.
+
+    Parameters
+    ----------
+    given : (k, 2) metres, as asked for.
+    points : (k, 2) the same, moved into the free space where rounding left them outside.
+    triangles : (k,) a triangle of the mesh that contains each.
+    first, corners : CSR of the tangent graph's vertices at which a taut path from the place can arrive.
+    """
+
+    given: FloatArray
+    points: FloatArray
+    triangles: Ints
+    first: Ints
+    corners: Ints
+
+    def corners_of(self, k: int) -> Ints:
+        """Vertices of the tangent graph joined with place k."""
+        return self.corners[self.first[k] : self.first[k + 1]]
+
+
+def attach(freespace: FreeSpace, tangents: VisibilityGraph, points: ArrayLike) -> Attached:
+    """Join (k, 2) places with the tangent graph; a place that is not free has triangle −1 and joins nothing."""
+    mesh = freespace.mesh
+    given = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    xy, triangles = freespace.anchor(given)
+    free = np.flatnonzero(triangles >= 0)
+    number = np.full(len(mesh.wedges), -1, dtype=np.int64)
+    number[tangents.wedges] = np.arange(len(tangents.wedges))
+    first, seen = see_from(mesh, xy[free], triangles[free], mesh.wedge_turns >= 0, taut=True)
+    counts = np.zeros(len(given), dtype=np.int64)
+    counts[free] = np.diff(first)
+    return Attached(given, xy, triangles, np.append(0, np.cumsum(counts)), number[seen])
 
 
 def shortest_path(freespace: FreeSpace, a: ArrayLike, b: ArrayLike) -> Route:
@@ -30,41 +68,45 @@ def shortest_path(freespace: FreeSpace, a: ArrayLike, b: ArrayLike) -> Route:
     >>> shortest_path(FreeSpace(Scene((0, 0, 4, 3))), (0, 0), (3, 0)).length
     3.0
     """
-    return shortest_routes(freespace, visibility_graph(freespace), [a], [b])[0]
+    start, goal = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    return shortest_routes(freespace, visibility_graph(freespace), start, goal)[0]
 
 
 def shortest_routes(
-    freespace: FreeSpace, tangents: VisibilityGraph, starts: Sequence[ArrayLike], goals: Sequence[ArrayLike]
+    freespace: FreeSpace, tangents: VisibilityGraph, starts: ArrayLike, goals: ArrayLike
 ) -> list[Route]:
-    """Find a shortest route from each start to the goal of the same place in the list.
+    """Find a shortest route from each of (k, 2) starts to the goal in the same row. Raises as `shortest_path`.
 
-    ``tangents`` is the tangent graph of ``freespace`` without further points. Raises as `shortest_path`.
+    ``tangents`` is the tangent graph of ``freespace`` without further points.
     """
-    mesh = freespace.mesh
-    ends = np.concatenate([np.asarray(p, dtype=np.float64).reshape(-1, 2) for p in (starts, goals)])
-    count = len(ends) // 2
-    xy, triangles = freespace.anchor(ends)
-    for i in np.flatnonzero(triangles < 0).tolist():
-        error, word = (StartBlocked, "start") if i < count else (GoalBlocked, "goal")
-        raise error(f"{word} ({ends[i, 0]:g}, {ends[i, 1]:g}) is not in free space (growth {freespace.growth:g} m)")
-    number = np.full(len(mesh.wedges), -1, dtype=np.int64)
-    number[tangents.wedges] = np.arange(len(tangents.wedges))
-    first, seen = see_from(mesh, xy, triangles, mesh.wedge_turns >= 0, taut=True)
-    index = np.arange(count, dtype=np.int64)
-    direct = see_each_other(mesh, xy, triangles, index, index + count)
+    pairs = np.stack([np.asarray(p, dtype=np.float64).reshape(-1, 2) for p in (starts, goals)], axis=1)
+    return routes_between(freespace, tangents, attach(freespace, tangents, pairs))
+
+
+def routes_between(freespace: FreeSpace, tangents: VisibilityGraph, ends: Attached) -> list[Route]:
+    """Find a shortest route between places 0 and 1, 2 and 3, … of ``ends``. Raises as `shortest_path`."""
+    for k in np.flatnonzero(ends.triangles < 0).tolist():
+        error, word = (StartBlocked, "start") if k % 2 == 0 else (GoalBlocked, "goal")
+        x, y = ends.given[k]
+        raise error(f"{word} ({x:g}, {y:g}) is not in free space (growth {freespace.growth:g} m)")
+    starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
+    direct = see_each_other(freespace.mesh, ends.points, ends.triangles, starts, starts + 1)
     out = []
-    for i in range(count):
-        a, b = xy[i], xy[i + count]
-        if direct[i]:
-            corners: FloatArray = np.empty((0, 2))
-        else:
-            from_start = number[seen[first[i] : first[i + 1]]]
-            to_goal = number[seen[first[i + count] : first[i + count + 1]]]
-            length, path = astar_between(tangents.graph, tangents.positions, a, from_start, b, to_goal)
+    for k, straight in zip(starts.tolist(), direct.tolist(), strict=True):
+        corners: FloatArray = np.empty((0, 2))
+        if not straight:
+            length, path = astar_between(
+                tangents.graph,
+                tangents.positions,
+                ends.points[k],
+                ends.corners_of(k),
+                ends.points[k + 1],
+                ends.corners_of(k + 1),
+            )
             if not np.isfinite(length):
-                raise NoPath("", _separated(ends[i], ends[i + count], freespace.growth))
+                raise NoPath("", _separated(ends.given[k], ends.given[k + 1], freespace.growth))
             corners = tangents.positions[path]
-        points = np.concatenate([ends[i, None], corners, ends[i + count, None]])
+        points = np.concatenate([ends.given[k, None], corners, ends.given[k + 1, None]])
         moved = np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))
         out.append(Route(points[moved]))
     return out

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import shapely
 from scipy.spatial import KDTree
 
-from taut.geometry.seeing import see_each_other, see_from
+from taut.geometry.seeing import see_each_other
 from taut.roadmap import PlacesRoadmap
-from taut.route import Route
+from taut.route import Attached, Route
 from taut.scene import FloatArray
 from taut.team._kernels import Adjacency, Floats, Ints
 
@@ -46,19 +45,22 @@ class OwnRoadmap:
         return indptr, head[order], np.concatenate([self.lengths, self.lengths])[order]
 
 
-def own_roadmap(shared: PlacesRoadmap, routes: list[Route], around: Floats, distances: Floats) -> OwnRoadmap:
+def own_roadmap(
+    shared: PlacesRoadmap, ends: Attached, number: int, routes: list[Route], around: Floats, distances: Floats
+) -> OwnRoadmap:
     """Extend the shared roadmap for the robot that has the given routes.
 
     Parameters
     ----------
+    ends, number : the attached starts and goals; this robot's are 2 · number and 2 · number + 1.
     routes : ways from its start to its goal, the shortest first; it may rest anywhere along them, a spacing apart.
     around : (j, 2) places of others that it may have to go round.
     distances : (j,) metres that it keeps from each.
     """
     mesh = shared.freespace.mesh
     n = len(shared.positions)
-    start, goal = routes[0].points[0], routes[0].points[-1]
-    points: list[FloatArray] = [np.stack([start, goal])]
+    start, goal = 2 * number, 2 * number + 1
+    points: list[FloatArray] = [ends.given[start : goal + 1]]
     chains: list[list[int]] = []
     count = 2
     for route in routes:
@@ -74,13 +76,13 @@ def own_roadmap(shared: PlacesRoadmap, routes: list[Route], around: Floats, dist
     triangles = np.concatenate([triangles, ring_triangles[free]])
 
     pairs = [np.array([(a + n, b + n) for chain in chains for a, b in pairwise(chain)])]
-    first, seen = see_from(mesh, xy[:2], triangles[:2], mesh.wedge_turns >= 0, taut=True)
-    number = np.full(len(mesh.wedges), -1, dtype=np.int64)
-    number[shared.wedges] = np.arange(len(shared.wedges))
-    pairs.append(np.stack([number[seen], n + np.repeat([0, 1], np.diff(first))], axis=1))
+    pairs += [np.stack([c, np.full_like(c, n + k)], axis=1) for k, c in enumerate(map(ends.corners_of, (start, goal)))]
     pairs.append(_near(shared, xy, triangles))
-    edges = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0).astype(np.int64)
-    xy[:2] = start, goal
+    edges = np.sort(np.concatenate(pairs), axis=1)
+    total = n + len(xy)
+    keys = np.unique(edges[:, 0] * total + edges[:, 1])
+    edges = np.stack([keys // total, keys % total], axis=1).astype(np.int64)
+    xy[:2] = ends.given[start : goal + 1]
     everything = np.concatenate([shared.positions, xy])
     lengths = np.hypot(*(everything[edges[:, 0]] - everything[edges[:, 1]]).T)
     return OwnRoadmap(xy, edges[lengths > 0], lengths[lengths > 0])
@@ -122,9 +124,3 @@ def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
     # seen from the robot's own vertex, which may stand on a boundary
     a, b = np.ascontiguousarray(candidates[:, 1]), np.ascontiguousarray(candidates[:, 0])
     return candidates[see_each_other(mesh, everything, holders, a, b)]
-
-
-def close_to(route: Route, points: Floats, distances: Floats) -> Ints:
-    """Indices of the points nearer to the route than their distances."""
-    line = shapely.linestrings(route.points if len(route.points) > 1 else np.repeat(route.points, 2, axis=0))
-    return np.flatnonzero(shapely.distance(line, shapely.points(points)) < distances)

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import shapely
 
-from taut.errors import NoPath
+from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace, without_discs
 from taut.roadmap import PlacesRoadmap, places_roadmap, visibility_graph
-from taut.route import Route, shortest_routes
+from taut.route import Attached, Route, attach, routes_between
 from taut.scene import Scene
-from taut.team._kernels import Floats
-from taut.team.own_roadmap import OwnRoadmap, close_to, own_roadmap
+from taut.team._kernels import Floats, Ints
+from taut.team.own_roadmap import OwnRoadmap, own_roadmap
 
 
 class World:
@@ -29,6 +30,8 @@ class World:
         robots = scene.robots
         self._growths = [scene.growth(robot) for robot in robots]
         self._shared: dict[float, PlacesRoadmap] = {}
+        self._attached: dict[float, Attached] = {}
+        self._number = [0] * len(robots)
         routes: list[Route | None] = [None] * len(robots)
         for growth in dict.fromkeys(self._growths):
             group = [i for i, g in enumerate(self._growths) if g == growth]
@@ -38,16 +41,16 @@ class World:
             radius = max(robots[i].radius for i in group)
             separation = 2 * radius + scene.gap if len(robots) > 1 else math.inf
             shared = places_roadmap(freespace, separation)
-            self._shared[growth] = shared
-            starts, goals = [robots[i].start for i in group], [robots[i].goal for i in group]
-            for i, route in zip(group, shortest_routes(freespace, shared.tangents, starts, goals), strict=True):
-                routes[i] = route
+            ends = attach(freespace, shared.tangents, [p for i in group for p in (robots[i].start, robots[i].goal)])
+            self._shared[growth], self._attached[growth] = shared, ends
+            for k, (i, route) in enumerate(zip(group, routes_between(freespace, shared.tangents, ends), strict=True)):
+                routes[i], self._number[i] = route, k
         self.routes = [route for route in routes if route is not None]
         self._detours: list[Route | None] = [None] * len(robots)
         self._own: list[OwnRoadmap | None] = [None] * len(robots)
-        self._ends = np.array([p for r in robots for p in (r.start, r.goal)], dtype=np.float64).reshape(-1, 2)
-        radii = np.repeat([r.radius for r in robots], 2)
-        self._radii: Floats = np.asarray(radii, dtype=np.float64)
+        self._ends: Floats = np.array([p for r in robots for p in (r.start, r.goal)], dtype=np.float64).reshape(-1, 2)
+        self._radii: Floats = np.repeat(np.array([r.radius for r in robots], dtype=np.float64), 2)
+        self._nearby = shapely.STRtree(shapely.points(self._ends))
 
     @property
     def cell(self) -> float:
@@ -76,11 +79,18 @@ class World:
         """Return what robot i has beyond it."""
         known = self._own[i]
         if known is None:
-            others, distances = self._others(i)
-            near = close_to(self.routes[i], others, distances)
             detour = self._detours[i]
             routes = [self.routes[i]] if detour is None else [self.routes[i], detour]
-            known = own_roadmap(self.shared(i), routes, others[near], distances[near])
+            near = self._in_the_way(i)
+            growth = self._growths[i]
+            known = own_roadmap(
+                self._shared[growth],
+                self._attached[growth],
+                self._number[i],
+                routes,
+                self._ends[near],
+                self._keeps_from(i)[near],
+            )
             self._own[i] = known
         return known
 
@@ -94,17 +104,25 @@ class World:
         for i, robot in enumerate(self.scene.robots):
             if self._detours[i] is not None or robot.start == robot.goal:
                 continue
-            others, distances = self._others(i)
-            apart = without_discs(self.shared(i).freespace, others, distances)
+            others = np.flatnonzero(np.arange(len(self._ends)) // 2 != i)
+            apart = without_discs(self.shared(i).freespace, self._ends[others], self._keeps_from(i)[others])
+            tangents = visibility_graph(apart)
+            ends = attach(apart, tangents, [robot.start, robot.goal])
             try:
-                self._detours[i] = shortest_routes(apart, visibility_graph(apart), [robot.start], [robot.goal])[0]
-            except (NoPath, ValueError):
+                self._detours[i] = routes_between(apart, tangents, ends)[0]
+            except (NoPath, StartBlocked, GoalBlocked):
                 continue
             self._own[i] = None
 
-    def _others(self, i: int) -> tuple[Floats, Floats]:
-        """Starts and goals of the other robots, and the distance that robot i keeps from each."""
-        mine = np.zeros(len(self._ends), dtype=bool)
-        mine[2 * i : 2 * i + 2] = True
-        distances = self.scene.robots[i].radius + self._radii[~mine] + self.scene.gap
-        return self._ends[~mine], distances
+    def _keeps_from(self, i: int) -> Floats:
+        """Metres that robot i keeps from the robot that starts or ends at each of the ends."""
+        return np.asarray(self.scene.robots[i].radius + self._radii + self.scene.gap)
+
+    def _in_the_way(self, i: int) -> Ints:
+        """Ends of other robots that robot i cannot pass on its shortest route while a robot stands there."""
+        points = self.routes[i].points
+        line = shapely.linestrings(points if len(points) > 1 else np.repeat(points, 2, axis=0))
+        keeps = self._keeps_from(i)
+        near = np.sort(self._nearby.query(line, predicate="dwithin", distance=float(keeps.max())))
+        near = near[near // 2 != i]
+        return np.asarray(near[shapely.distance(line, shapely.points(self._ends[near])) < keeps[near]])

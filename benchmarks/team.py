@@ -1,0 +1,159 @@
+"""From a Scene to a certified plan of a team: seconds per phase, rounds, and how far from the lower bound."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+from unittest import mock
+
+from measure import Table, in_words, repeated
+from taut.errors import TautError
+from taut.formats import load_scene
+from taut.formats.files import scene_names
+from taut.generate import random_scene
+from taut.motion import Plan
+from taut.scene import Scene
+from taut.team import planning
+
+PHASES = {"World": "world", "plan_rounds": "planning", "certify": "certificate"}
+"""Steps of `taut.plan`, named as in its module, and the column in which each is counted."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene to plan, and the time its plan should take, seconds."""
+
+    name: str
+    make: Callable[[], Scene]
+    target: float | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: the plan, seconds in all and in each phase."""
+
+    plan: Plan
+    certified: bool
+    total: float
+    phases: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What planning a case gave: its runs, or why there is none."""
+
+    case: Case
+    scene: Scene
+    runs: tuple[Run, ...]
+    reason: str = ""
+
+    @property
+    def total(self) -> float:
+        """Median seconds from the Scene to the certified plan."""
+        return statistics.median(run.total for run in self.runs)
+
+    def phase(self, name: str) -> float:
+        """Median seconds of one phase."""
+        return statistics.median(run.phases[name] for run in self.runs)
+
+
+def cases(quick: bool) -> tuple[Case, ...]:
+    """Return all ready scenes and two large random ones; quick: the thesis' scenes alone."""
+    ready = [Case(name, partial(load_scene, name)) for name in scene_names()]
+    if quick:
+        return tuple(case for case in ready if case.name.startswith("thesis"))
+    hundred = partial(random_scene, robots=100, obstacles=300, seed=1)
+    thousand = partial(random_scene, robots=1000, obstacles=400, size=200, seed=1)
+    return (*ready, Case("random 100, 300", hundred, 3.0), Case("random 1000, 400", thousand, 20.0))
+
+
+def measured(quick: bool) -> tuple[Outcome, ...]:
+    """Plan every case, warm; several times where that is quick."""
+    planning.plan(load_scene("thesis-2"))
+    return tuple(_outcome(case) for case in cases(quick))
+
+
+def table(outcomes: tuple[Outcome, ...]) -> Table:
+    """Return one row for each case."""
+    same = all(run.plan.trajectories == o.runs[0].plan.trajectories for o in outcomes for run in o.runs)
+    return Table(
+        "Plans of teams",
+        ("scene", "robots", "obstacles", *PHASES.values(), "together", "target", "rounds", "above bound", "certified"),
+        tuple(_row(outcome) for outcome in outcomes),
+        "`taut.plan` from a Scene in memory to the certified plan; warm, medians of up to 5 runs.",
+        (
+            "world: free spaces, roadmaps, shortest routes. planning: all rounds, with the tangents round other robots' "
+            "starts and goals. together: also checks of the scene and the reasons for detours.",
+            "random 100, 300 is `taut random --robots 100 --obstacles 300 --seed 1`; random 1000, 400 is `taut random "
+            "--robots 1000 --obstacles 400 --size 200 --seed 1`.",
+            "above bound: sum of costs over the sum of shortest travel times of the robots alone (model: plane), which "
+            "no plan can beat.",
+            f"Repeated runs gave {'the same plan, bit for bit' if same else 'DIFFERENT plans: a defect'}.",
+        ),
+    )
+
+
+def _outcome(case: Case) -> Outcome:
+    scene = case.make()
+    try:
+        runs = repeated(lambda: planning.plan(scene), _run, most=5, budget=8.0)
+    except TautError as error:
+        return Outcome(case, scene, (), str(error))
+    return Outcome(case, scene, tuple(runs))
+
+
+def _run(work: Callable[[], Any]) -> Run:
+    phases = dict.fromkeys(PHASES.values(), 0.0)
+    with _clocks(phases):
+        began = time.perf_counter()
+        result = work()
+        total = time.perf_counter() - began
+    return Run(result.plan, result.certificate.ok, total, phases)
+
+
+@contextmanager
+def _clocks(seconds: dict[str, float]) -> Iterator[None]:
+    """While open, add to ``seconds`` what each phase of `taut.plan` takes."""
+    with ExitStack() as stack:
+        for name, phase in PHASES.items():
+            stack.enter_context(mock.patch.object(planning, name, _clocked(getattr(planning, name), phase, seconds)))
+        yield
+
+
+def _clocked(step: Callable[..., Any], phase: str, seconds: dict[str, float]) -> Callable[..., Any]:
+    def run(*args: Any, **options: Any) -> Any:
+        began = time.perf_counter()
+        try:
+            return step(*args, **options)
+        finally:
+            seconds[phase] += time.perf_counter() - began
+
+    return run
+
+
+def _row(outcome: Outcome) -> tuple[str, ...]:
+    case, scene = outcome.case, outcome.scene
+    target = "–" if case.target is None else in_words(case.target)
+    head = (case.name, f"{len(scene.robots):,}", f"{len(scene.obstacles):,}")
+    if not outcome.runs:
+        return (*head, *("–" for _ in PHASES), "–", target, "–", "–", outcome.reason)
+    plan = outcome.runs[0].plan
+    return (
+        *head,
+        *(in_words(outcome.phase(name)) for name in PHASES.values()),
+        in_words(outcome.total),
+        target,
+        str(plan.planner["rounds"]),
+        _above(plan),
+        "yes" if all(run.certified for run in outcome.runs) else "NO",
+    )
+
+
+def _above(plan: Plan) -> str:
+    bound = float(str(plan.lower_bound["value"])) if plan.lower_bound else 0.0
+    return f"{100 * (plan.sum_of_costs / bound - 1):.2f} %" if bound > 0 else "–"
