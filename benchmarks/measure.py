@@ -60,11 +60,9 @@ def repeated(
 
 def in_words(seconds: float) -> str:
     """Three digits with a unit: 1.23 s, 45.6 ms, 789 µs."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        # 0.9995 of the unit and more is rounded up to 1.00 of it
-        if seconds >= 0.9995 * size:
-            break
-    value = seconds / size
+    # from 0.9995 of a unit on, three digits say 1.00 of it
+    unit, size = next((u, s) for u, s in (("s", 1.0), ("ms", 1e-3), ("µs", 0.0)) if seconds >= 0.9995 * s)
+    value = seconds / (size or 1e-6)
     return f"{value:.{max(0, 2 - len(str(int(value))) + 1)}f} {unit}"
 
 

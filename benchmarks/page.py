@@ -43,7 +43,7 @@ def draw(path: Path, found: geometry.Measured, outcomes: Sequence[team.Outcome])
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    figure = Figure(figsize=(11, 5), layout="constrained")
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
     _draw_builds(left, found)
@@ -68,7 +68,7 @@ def _draw_builds(ax: Any, found: geometry.Measured) -> None:
     ax.set_xticks(sizes, [f"{n:,}" for n in sizes])
     ax.minorticks_off()
     ax.grid(alpha=0.3)
-    ax.legend(fontsize=8)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, fontsize=8, frameon=False)
 
 
 def _draw_shares(ax: Any, outcomes: Sequence[team.Outcome]) -> None:

@@ -71,10 +71,11 @@ def suite(quick: bool) -> Table:
         "Start",
         ("", "time", "target"),
         rows,
-        f"Every figure is from fresh processes. The plans are the whole command `taut plan {SCENE}`, from process start "
-        "to exit.",
+        f"Every figure is from fresh processes. The plans are the whole command `taut plan {SCENE}`, from process "
+        "start to exit.",
         (
-            f"Loaded by `import taut`: {_listed(found.loaded)}; not loaded: {_listed(absent)}.",
+            f"Loaded by `import taut`: {_listed(found.loaded)}; not loaded: {_listed(absent)}. The "
+            "public names load what they need when they are first used, so that is part of the plans.",
             f"Medians of {runs} runs; the first plan, with an empty kernel cache, is run once.",
         ),
     )

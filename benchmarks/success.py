@@ -112,8 +112,8 @@ def summary(title: str, cases: list[Case]) -> str:
     lines = [
         f"{title}: {len(solved)} of {n} solved and certified ({100 * len(solved) / n:.1f} %), "
         f"{len(returned)} of these came back from JSON bit for bit",
-        f"  seeds {cases[0].seed} to {cases[-1].seed}, {min(c.robots for c in cases)} to {max(c.robots for c in cases)} "
-        f"robots, {min(c.obstacles for c in cases)} to {max(c.obstacles for c in cases)} obstacles, "
+        f"  seeds {cases[0].seed} to {cases[-1].seed}, {_span([c.robots for c in cases])} robots, "
+        f"{_span([c.obstacles for c in cases])} obstacles, "
         f"discs at most {100 * max(c.discs for c in cases):.2f} % of the free area",
         f"  time: median {in_words(statistics.median(times))}, longest {in_words(max(times))}; "
         f"{sum(c.rounds == 1 for c in solved)} in one round, most rounds {max((c.rounds for c in solved), default=0)}",
@@ -144,6 +144,10 @@ def main() -> None:
                 if sys.stderr.isatty():
                     print(f"\r{title}: {len(cases)} of {count} ", end="", file=sys.stderr, flush=True)
             print(summary(title, cases), flush=True)
+
+
+def _span(numbers: list[int]) -> str:
+    return f"{min(numbers)} to {max(numbers)}"
 
 
 def _identical(a: Trajectory, b: Trajectory) -> bool:

@@ -87,8 +87,8 @@ def table(outcomes: tuple[Outcome, ...]) -> Table:
         tuple(_row(outcome) for outcome in outcomes),
         "`taut.plan` from a Scene in memory to the certified plan; warm, medians of up to 5 runs.",
         (
-            "world: free spaces, roadmaps, shortest routes. planning: all rounds, with the tangents round other robots' "
-            "starts and goals. together: also checks of the scene and the reasons for detours.",
+            "world: free spaces, roadmaps, shortest routes. planning: all rounds, with the tangents round other "
+            "robots' starts and goals. together: also checks of the scene and the reasons for detours.",
             "random 100, 300 is `taut random --robots 100 --obstacles 300 --seed 1`; random 1000, 400 is `taut random "
             "--robots 1000 --obstacles 400 --size 200 --seed 1`.",
             "above bound: sum of costs over the sum of shortest travel times of the robots alone (model: plane), which "
@@ -156,4 +156,5 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
 
 def _above(plan: Plan) -> str:
     bound = float(str(plan.lower_bound["value"])) if plan.lower_bound else 0.0
-    return f"{100 * (plan.sum_of_costs / bound - 1):.2f} %" if bound > 0 else "–"
+    # adding 0 turns the −0 of a sum that rounding made smaller than its bound into 0
+    return f"{round(100 * (plan.sum_of_costs / bound - 1), 2) + 0.0:.2f} %" if bound > 0 else "–"

@@ -123,7 +123,7 @@ def _free(forbidden: list[Stretch]) -> list[Stretch]:
 
 
 def _bisected(m: Meeting) -> Stretch | None:
-    best = float(nearest_departure(m))
+    best = min(max(float(nearest_departure(m)), -m.tau), inf if isinf(m.t1) else m.t1 - m.t0)
 
     def conflict(delta: float) -> bool:
         square = closest(m, delta, float)

@@ -5,6 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
+def one_line(text: str) -> str:
+    """Return the text with line breaks and other unprintable characters written as escapes."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 class TautError(Exception):
     """Base of every error that taut raises on purpose; its text is one line fit to be shown to a user.
 
@@ -12,6 +17,9 @@ class TautError(Exception):
     """
 
     exit_code = 2
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
 
 
 class SceneError(TautError):
@@ -25,7 +33,7 @@ class SceneError(TautError):
     """
 
     def __init__(self, message: str, file: str | None = None, line: int | None = None) -> None:
-        self.message = message
+        self.message = one_line(message)
         self.file = file
         self.line = line
         place = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "

@@ -186,8 +186,8 @@ class Robot:
     at_goal: AtGoal | None = None
 
     def __post_init__(self) -> None:
-        if not self.name:
-            raise SceneError("a robot needs a name")
+        if not isinstance(self.name, str) or not self.name:
+            raise SceneError(f"a robot needs a name in letters, got {self.name!r}")
         where = f"robot {self.name}"
         object.__setattr__(self, "start", _point(self.start, f"{where}: start"))
         object.__setattr__(self, "goal", _point(self.goal, f"{where}: goal"))
@@ -283,6 +283,13 @@ class Scene:
     def separation(self, a: Robot, b: Robot) -> float:
         """Least allowed distance between the centres of two robots, metres."""
         return a.radius + b.radius + self.gap
+
+    def _repr_png_(self) -> bytes:
+        """Show as a picture in notebooks."""
+        # the one import of a room below: notebooks ask the value itself for its picture
+        from taut.figures import png_bytes
+
+        return png_bytes(self)
 
 
 def _number(value: Any, where: str) -> float:

@@ -64,7 +64,8 @@ def certificate_facts(certificate: Certificate) -> list[tuple[str, str]]:
     if near is not None:
         separation = f"{near.value:.9g} m between {' and '.join(near.robots)} at t = {near.time:.6g} s"
     if close is not None:
-        clearance = f"{close.value:.9g} m between {close.robot} and {close.obstacle} at t = {close.time:.6g} s"
+        value = 0.0 if abs(close.value) <= certificate.tol else close.value
+        clearance = f"{value:.9g} m between {close.robot} and {close.obstacle} at t = {close.time:.6g} s"
     return [
         ("least separation", separation),
         ("least clearance", clearance),

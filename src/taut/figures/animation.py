@@ -24,11 +24,12 @@ from taut.figures.maps import draw_map, name_obstacles, scene_view
 from taut.figures.movies import Frame, Palette, find_encoder, write_gif, write_mp4
 from taut.figures.pictures import end_legend
 from taut.figures.plans import draw_paths, pale, route_of
-from taut.figures.saving import any_letters, check_kind, replacing
+from taut.figures.saving import any_letters, check_kind
 from taut.figures.style import INK, QUIET, darker, mix, robot_colours
 from taut.figures.teams import discs, draw_ends, mark_radius, visible_radii
 from taut.motion import Plan, Trajectory
 from taut.scene import FloatArray
+from taut.writing import replacing
 
 LONGEST = 11.5  # seconds of motion shown, by default
 HOLD = 1.2  # seconds that the last frame stays

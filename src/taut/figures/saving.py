@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 
 from taut.errors import OutputError
 from taut.figures.pictures import draw
+from taut.writing import replacing
 
 #: What each picture format must not contain, so that the same picture is the same file.
 NO_STAMPS: dict[str, dict[str, None]] = {
@@ -63,28 +64,6 @@ def check_kind(path: Path, kinds: tuple[str, ...], what: str) -> str:
         names = ", ".join("." + k for k in kinds[:-1]) + f" or .{kinds[-1]}"
         raise OutputError(f"{path}: {what} {names}, not {path.suffix or 'a file without extension'}")
     return kind
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Yield a scratch path beside `path` that becomes `path` at the end, or goes if anything fails.
-
-    Raises
-    ------
-    OutputError
-        The place cannot be written.
-    """
-    scratch = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        if path.is_dir():
-            raise OutputError(f"{path}: is a directory; give the name of a file")
-        yield scratch
-        os.replace(scratch, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        if os.path.lexists(scratch):
-            scratch.unlink()
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from taut.errors import SceneError
+from taut.errors import SceneError, one_line
 
 Place: TypeAlias = tuple[str | int, ...]
 Mark: TypeAlias = "int | _Marks"
@@ -40,7 +40,7 @@ class Document:
 
     def error(self, message: str, place: Place = ()) -> SceneError:
         """Return a SceneError that points at a place of this file."""
-        return SceneError(one_line(message), self.file, self.line_of(place))
+        return SceneError(message, self.file, self.line_of(place))
 
 
 @dataclass(slots=True)
@@ -68,7 +68,7 @@ class DocumentBuilder:
     def key(self, text: str, line: int) -> None:
         """Take the key of the next value."""
         if text in self._stack[-1][0]:
-            raise SceneError(one_line(f"key {shown(text)} is given twice; keep one"), self._file, line)
+            raise SceneError(f"key {shown(text)} is given twice; keep one", self._file, line)
         self._key, self._key_line = text, line
 
     def scalar(self, value: object, line: int) -> None:
@@ -126,7 +126,7 @@ def read_text(path: str | os.PathLike[str], limit: int) -> str:
     SceneError
         A directory, unreadable, larger than the limit, empty, binary or not UTF-8.
     """
-    file = one_line(os.fspath(path))
+    file = os.fspath(path)
     try:
         if Path(path).is_dir():
             raise SceneError("is a directory, not a file; name a file in it", file)
@@ -135,7 +135,7 @@ def read_text(path: str | os.PathLike[str], limit: int) -> str:
         with open(path, "rb") as stream:
             raw = stream.read(limit + 1)
     except (OSError, ValueError) as error:
-        raise SceneError(one_line(f"cannot be read: {getattr(error, 'strerror', None) or error}"), file) from None
+        raise SceneError(f"cannot be read: {getattr(error, 'strerror', None) or error}", file) from None
     if len(raw) > limit:
         raise SceneError(f"is larger than {limit >> 20} MB, the limit for this kind of file", file)
     if not raw.strip():
@@ -148,11 +148,6 @@ def read_text(path: str | os.PathLike[str], limit: int) -> str:
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise SceneError(f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save it as UTF-8", file, line) from None
-
-
-def one_line(text: str) -> str:
-    """Return the text with line breaks and other unprintable characters written as escapes."""
-    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def shown(value: object) -> str:

@@ -7,9 +7,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from taut.errors import SceneError
+from taut.errors import SceneError, one_line
 from taut.formats import schema
-from taut.formats._document import Document, Place, one_line, shown
+from taut.formats._document import Document, Place, shown
 
 _ENTRIES: dict[str, type[BaseModel]] = {
     "polygon": schema.PolygonEntry,

@@ -10,11 +10,11 @@ from typing import assert_never
 
 from taut.errors import OutputError, PlanError, SceneError
 from taut.formats import geojson, json_text, yaml_text
-from taut.formats._document import Document, one_line, read_text
-from taut.formats._write import write_text
+from taut.formats._document import Document, read_text
 from taut.formats.convert import plan_of, plan_to_dict, scene_of, scene_to_dict
 from taut.motion import Plan
 from taut.scene import Scene
+from taut.writing import write_text
 
 _YAML = (".yaml", ".yml")
 
@@ -39,17 +39,17 @@ def load_scene(path_or_name: str | os.PathLike[str]) -> Scene:
     if not os.path.isfile(name) and name in scene_names():
         return scene_of(_ready(name))
     if not os.path.exists(name):
-        raise SceneError(_unknown(name), one_line(name))
+        raise SceneError(_unknown(name), name)
     suffix = path.suffix.lower()
     if suffix in _YAML:
-        return scene_of(yaml_text.parse_yaml(read_text(path, yaml_text.LIMIT), one_line(name)))
+        return scene_of(yaml_text.parse_yaml(read_text(path, yaml_text.LIMIT), name))
     if suffix == ".json":
-        return scene_of(json_text.parse_json(read_text(path, json_text.LIMIT), one_line(name)))
+        return scene_of(json_text.parse_json(read_text(path, json_text.LIMIT), name))
     if suffix == ".geojson":
-        return geojson.scene_of_geojson(json_text.parse_json(read_text(path, json_text.LIMIT), one_line(name)))
+        return geojson.scene_of_geojson(json_text.parse_json(read_text(path, json_text.LIMIT), name))
     if path.is_dir():
-        raise SceneError("is a directory, not a file; name a file in it", one_line(name))
-    raise SceneError("unknown kind of file; a scene ends in .yaml, .yml, .json or .geojson", one_line(name))
+        raise SceneError("is a directory, not a file; name a file in it", name)
+    raise SceneError("unknown kind of file; a scene ends in .yaml, .yml, .json or .geojson", name)
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:
@@ -63,10 +63,10 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     name = os.fspath(path)
     try:
         if not os.path.exists(name):
-            raise SceneError("does not exist", one_line(name))
+            raise SceneError("does not exist", name)
         if Path(path).suffix.lower() in (*_YAML, ".geojson"):
-            raise SceneError("unknown kind of file; a plan is a .json file", one_line(name))
-        document = json_text.parse_json(read_text(path, json_text.LIMIT), one_line(name))
+            raise SceneError("unknown kind of file; a plan is a .json file", name)
+        document = json_text.parse_json(read_text(path, json_text.LIMIT), name)
     except SceneError as error:
         raise PlanError(error.message, error.file, error.line) from None
     return plan_of(document)
@@ -84,7 +84,7 @@ def save(value: Scene | Plan, path: str | os.PathLike[str]) -> None:
     match value:
         case Plan():
             if suffix != ".json":
-                raise OutputError(f"{one_line(os.fspath(path))}: a plan is written as .json")
+                raise OutputError(f"{os.fspath(path)}: a plan is written as .json")
             text = json_text.layout(plan_to_dict(value))
         case Scene():
             if suffix in _YAML:
@@ -95,7 +95,7 @@ def save(value: Scene | Plan, path: str | os.PathLike[str]) -> None:
                 text = json_text.layout(geojson.scene_to_geojson(value))
             else:
                 endings = ".yaml, .yml, .json or .geojson"
-                raise OutputError(f"{one_line(os.fspath(path))}: a scene is written as {endings}")
+                raise OutputError(f"{os.fspath(path)}: a scene is written as {endings}")
         case _:
             assert_never(value)
     write_text(path, text)

@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 from taut.errors import SceneError
-from taut.formats._document import Document, DocumentBuilder, Place, one_line
+from taut.formats._document import Document, DocumentBuilder, Place
 
 LIMIT = 64 << 20
 
@@ -32,7 +32,7 @@ def parse_json(text: str, file: str | None = None) -> Document:
     try:
         data = _strict(text, file)
     except json.JSONDecodeError as error:
-        raise SceneError(one_line(f"not valid JSON: {error.msg}"), file, error.lineno) from None
+        raise SceneError(f"not valid JSON: {error.msg}", file, error.lineno) from None
     except RecursionError:
         raise SceneError("nested too deep: this is not a scene or plan", file) from None
 
@@ -53,7 +53,7 @@ def _strict(text: str, file: str | None) -> Any:
     except _NeedsLine as error:
         json.loads(text, parse_int=_int)  # JSON that breaks off further on is told as such
         _located(text, file)
-        raise SceneError(one_line(str(error)), file) from None
+        raise SceneError(str(error), file) from None
 
 
 def _located(text: str, file: str | None) -> Document | None:

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from taut.errors import SceneError
-from taut.formats._document import Document, DocumentBuilder, one_line, shown
+from taut.formats._document import Document, DocumentBuilder, shown
 
 LIMIT = 16 << 20
 
@@ -50,9 +50,9 @@ def parse_yaml(text: str, file: str | None = None) -> Document:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = error.problem or error.context or "cannot be read"
-        raise SceneError(one_line(f"not valid YAML: {problem}"), file, mark.line + 1 if mark else None) from None
+        raise SceneError(f"not valid YAML: {problem}", file, mark.line + 1 if mark else None) from None
     except yaml.YAMLError as error:
-        raise SceneError(one_line(f"not valid YAML: {error}")[:200], file) from None
+        raise SceneError(f"not valid YAML: {error}"[:200], file) from None
     if document is None or document.data is None:
         raise SceneError("is empty", file)
     return document

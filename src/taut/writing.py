@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from taut.errors import OutputError
-from taut.formats._document import one_line
 
 
 @contextlib.contextmanager
@@ -23,7 +22,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     OutputError
         The folder does not exist or cannot be written, `path` is a directory, a device or write-protected.
     """
-    shown = one_line(os.fspath(path))
+    shown = os.fspath(path)
     try:
         target = Path(os.path.realpath(path))
         if target.is_dir():
@@ -55,7 +54,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     try:
         raw = text.encode("utf-8")
     except UnicodeEncodeError:
-        raise OutputError(f"{one_line(os.fspath(path))}: a name holds a lone surrogate, not a character") from None
+        raise OutputError(f"{os.fspath(path)}: a name holds a lone surrogate, not a character") from None
     with replacing(path) as temporary, open(temporary, "wb") as stream:
         stream.write(raw)
         stream.flush()
@@ -63,4 +62,4 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def _refusal(shown: str, error: Exception) -> str:
-    return one_line(f"{shown}: cannot be written: {getattr(error, 'strerror', None) or error}")
+    return f"{shown}: cannot be written: {getattr(error, 'strerror', None) or error}"
