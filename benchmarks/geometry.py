@@ -128,7 +128,9 @@ def tables(found: Measured) -> tuple[Table, Table]:
         "alone).",
         (
             "shapely + networkx is the obvious program: every pair of vertices tested with `covers`, then Dijkstra.",
-            "The others are called as their documentation shows, on one core. Install them with the extra `bench`.",
+            "The others run on one core, extremitypathfinder with its Numba kernels and without checking the ends.",
+            "The extra `bench` installs them, but extremitypathfinder asks for numpy below 2 (it runs with 2): "
+            "`pip install --no-deps extremitypathfinder`.",
             "lengths: of the pairs both answered, how many agree to 1e-9 relative, and the worst deviations.",
         ),
     )
@@ -168,7 +170,7 @@ def _compared(
     if peer.missing:
         return Compared(peer.name, n, None, None, f"not installed ({', '.join(peer.missing)})")
     if before is not None:
-        # no peer grows slower than with the square, so this never leaves out what would have been in time
+        # a guess from below: most grow faster than with the square
         expected = 0.0 if before.build is None else before.build * (n / before.n) ** 2
         if before.build is None or expected > longest:
             return Compared(peer.name, n, None, None, f"left out (over {longest:g} s expected)")

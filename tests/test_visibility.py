@@ -15,9 +15,10 @@ from naive import Pair, Vertex, naive_shortest, naive_visibility
 from strategies import scenes
 from taut.errors import NoPath
 from taut.freespace import FreeSpace
+from taut.geometry.triangulation import triangulate
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.route import shortest_path
-from taut.scene import Scene
+from taut.scene import Polygon, Rectangle, Scene
 from zoo import ZOO, Entry
 
 MOST_VERTICES = 160
@@ -29,9 +30,15 @@ def growths(scene: Scene) -> list[float]:
 
 
 def free_spaces(scene: Scene) -> list[FreeSpace]:
-    """The free space of every growth of the scene that is not too large for the references."""
+    """The free space of every growth of the scene that is not too large for the references.
+
+    The references know no tolerance, so passages narrower than it are left open here.
+    """
     spaces = [FreeSpace(scene, growth, arc_error=COARSE) for growth in growths(scene)]
-    return [space for space in spaces if len(shapely.get_coordinates(space.region)) <= MOST_VERTICES]
+    small = [space for space in spaces if len(shapely.get_coordinates(space.region)) <= MOST_VERTICES]
+    for space in small:
+        object.__setattr__(space, "mesh", triangulate(space.region))
+    return small
 
 
 def ends(space: FreeSpace) -> np.ndarray:
@@ -140,3 +147,30 @@ def test_all_and_tangent_edges_give_the_same_lengths(scene: Scene, edges: str) -
             short, _ = dijkstra(few.graph, few.graph.n - k + source)
             long, _ = dijkstra(many.graph, many.graph.n - k + source)
             np.testing.assert_allclose(short[-k:], long[-k:], rtol=1e-12)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-16, 1e-13])
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.1])
+def test_a_wall_of_rectangles_end_to_end_has_no_hairline_gaps(angle: float, gap: float) -> None:
+    along = np.array([math.cos(angle), math.sin(angle)])
+    middles = [np.array([10.0, 10.0]) + (2 + gap) * (k - 2) * along for k in range(5)]
+    wall = [Rectangle(x - 1, y - 0.25, 2, 0.5, angle) for x, y in middles]
+    space = FreeSpace(Scene((0, 0, 20, 20), wall))
+    across = np.array([-along[1], along[0]])
+    route = shortest_path(space, middles[2] - 3 * across, middles[2] + 3 * across)
+    round_the_end = 2 * math.hypot(5, 2.75) + 0.5
+    assert math.isclose(route.length, round_the_end, rel_tol=1e-9)
+
+
+def test_corners_that_touch_up_to_rounding_do_not_let_through() -> None:
+    third = 1.0 / 3.0
+    left = Polygon([(0, 0), (3 * third - 1e-16, 2), (0, 4)])
+    right = Polygon([(4, 0), (4, 4), (0.1 + 0.2 + 0.7, 2)])
+    space = FreeSpace(Scene((0, 0, 4, 4), [left, right]))
+    with pytest.raises(NoPath):
+        shortest_path(space, (1, 0), (1, 4))
+
+
+def test_a_gap_wider_than_the_tolerance_stays_open() -> None:
+    scene = Scene((0, 0, 4, 4), [Rectangle(0, 1, 2, 1), Rectangle(2 + 1e-9, 1, 1.9, 1)])
+    assert shortest_path(FreeSpace(scene), (2, 0), (2, 4)).length < 4 + 1e-8

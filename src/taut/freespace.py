@@ -62,7 +62,7 @@ class FreeSpace:
         object.__setattr__(self, "growth", growth)
         object.__setattr__(self, "arc_error", arc_error)
         object.__setattr__(self, "region", region)
-        object.__setattr__(self, "mesh", triangulate(region))
+        object.__setattr__(self, "mesh", triangulate(region, scene.tol))
 
     @classmethod
     def of(cls, scene: Scene, robot: Robot, arc_error: float = 1e-3) -> FreeSpace:

@@ -120,6 +120,70 @@ def straight_corners(xy: Floats, ring_start: Ints, shared: NDArray[np.bool_]) ->
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def close_hairlines(xy: Floats, tri: Ints, nbr: Ints, width: float) -> tuple[Ints, Ints]:
+    """Close the passages narrower than ``width``: returns triangles and neighbours of what remains.
+
+    A vertex so near to a boundary edge, its foot inside, takes their triangle away; an edge so short becomes a wall.
+    """
+    m = tri.shape[0]
+    gone = np.zeros(m, dtype=np.bool_)
+    across = nbr.copy()
+    stack = np.empty(16, dtype=np.int64)
+    top = 0
+    for t in range(m):
+        for k in range(3):
+            a, b = tri[t, k], tri[t, (k + 1) % 3]
+            ex, ey = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            if across[t, k] >= 0 and ex * ex + ey * ey < width * width:
+                across[t, k] = -1
+    for seed in range(m):
+        stack[0] = seed
+        top = 1
+        while top > 0:
+            top -= 1
+            t = stack[top]
+            if gone[t]:
+                continue
+            for k in range(3):
+                if across[t, k] >= 0:
+                    continue
+                a, b, u = tri[t, k], tri[t, (k + 1) % 3], tri[t, (k + 2) % 3]
+                ex, ey = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+                ux, uy = xy[u, 0] - xy[a, 0], xy[u, 1] - xy[a, 1]
+                square, along, height = ex * ex + ey * ey, ux * ex + uy * ey, ex * uy - ey * ux
+                if not (0.0 < along < square and height * height < width * width * square):
+                    continue
+                gone[t] = True
+                for j in range(3):
+                    s = across[t, j]
+                    if s < 0:
+                        continue
+                    for i in range(3):
+                        if across[s, i] == t:
+                            across[s, i] = -1
+                    if top == stack.shape[0]:
+                        stack = _longer(stack)
+                    stack[top] = s
+                    top += 1
+                break
+    number = np.empty(m, dtype=np.int64)
+    left = 0
+    for t in range(m):
+        number[t] = left
+        if not gone[t]:
+            left += 1
+    out_tri = np.empty((left, 3), dtype=np.int64)
+    out_nbr = np.empty((left, 3), dtype=np.int64)
+    for t in range(m):
+        if gone[t]:
+            continue
+        for k in range(3):
+            out_tri[number[t], k] = tri[t, k]
+            out_nbr[number[t], k] = number[across[t, k]] if across[t, k] >= 0 else -1
+    return out_tri, out_nbr
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def label_parts(nbr: Ints) -> tuple[Ints, int]:
     """Number the parts of the region that hang together through edges: label of each triangle, how many."""
     m = nbr.shape[0]

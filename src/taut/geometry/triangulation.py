@@ -64,8 +64,10 @@ class Triangulation:
         return np.isin(points[:, 0] + 1j * points[:, 1], pinches[:, 0] + 1j * pinches[:, 1])
 
 
-def triangulate(region: shapely.Polygon | shapely.MultiPolygon) -> Triangulation:
+def triangulate(region: shapely.Polygon | shapely.MultiPolygon, narrowest: float = 0.0) -> Triangulation:
     """Cut a valid (multi)polygon into triangles; straight boundary vertices are dropped first.
+
+    Passages narrower than ``narrowest`` metres are closed: obstacles that touch, but for rounding, do touch.
 
     Raises
     ------
@@ -91,6 +93,8 @@ def triangulate(region: shapely.Polygon | shapely.MultiPolygon) -> Triangulation
     triangles = rows["vertices"].astype(np.int64)
     neighbours = rows["neighbors"].astype(np.int64)
     neighbours[rows["neighbors"] == pythoncdt.NO_NEIGHBOR] = -1
+    if narrowest > 0:
+        triangles, neighbours = _kernels.close_hairlines(vertices, triangles, neighbours, narrowest)
     return _tabulate(vertices, triangles, neighbours)
 
 
