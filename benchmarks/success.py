@@ -114,7 +114,8 @@ def summary(title: str, cases: list[Case]) -> str:
         f"{len(returned)} of these came back from JSON bit for bit",
         f"  seeds {cases[0].seed} to {cases[-1].seed}, {_span([c.robots for c in cases])} robots, "
         f"{_span([c.obstacles for c in cases])} obstacles, "
-        f"discs at most {100 * max(c.discs for c in cases):.2f} % of the free area",
+        f"discs {100 * statistics.median(c.discs for c in cases):.2f} % of the free area (median), "
+        f"at most {100 * max(c.discs for c in cases):.2f} %",
         f"  time: median {in_words(statistics.median(times))}, longest {in_words(max(times))}; "
         f"{sum(c.rounds == 1 for c in solved)} in one round, most rounds {max((c.rounds for c in solved), default=0)}",
     ]

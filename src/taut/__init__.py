@@ -10,6 +10,7 @@ The public names below are loaded when they are first used, so that importing th
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -121,3 +122,11 @@ if not TYPE_CHECKING:
 
     def __dir__() -> list[str]:
         return sorted({*globals(), *__all__})
+
+    if "IPython" in sys.modules:
+        from IPython import get_ipython
+
+        if (shell := get_ipython()) is not None:
+            from taut.notebook import show_values_as_pictures
+
+            show_values_as_pictures(shell)

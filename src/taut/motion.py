@@ -150,13 +150,6 @@ class Plan:
         """Positions of all robots at one time, (n, 2) metres, also of those that have left."""
         return np.array([t.at(time) for t in self.trajectories], dtype=np.float64).reshape(-1, 2)
 
-    def _repr_png_(self) -> bytes:
-        """Show as a picture in notebooks."""
-        # the one import of a room below: notebooks ask the value itself for its picture
-        from taut.figures import png_bytes
-
-        return png_bytes(self)
-
 
 def _in_scene_order(robots: Sequence[Robot], trajectories: Sequence[Trajectory]) -> tuple[Trajectory, ...]:
     by_name: dict[str, Trajectory] = {}

@@ -284,13 +284,6 @@ class Scene:
         """Least allowed distance between the centres of two robots, metres."""
         return a.radius + b.radius + self.gap
 
-    def _repr_png_(self) -> bytes:
-        """Show as a picture in notebooks."""
-        # the one import of a room below: notebooks ask the value itself for its picture
-        from taut.figures import png_bytes
-
-        return png_bytes(self)
-
 
 def _number(value: Any, where: str) -> float:
     try:
