@@ -473,6 +473,19 @@ def test_a_disc_that_touches_another_disc_or_a_side_leaves_no_way(
         assert certify(walk([at(2 * sign, 0), at(0, 0), at(2 * sign, 0)], [disc, below], box)).ok
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.7, 1.2])
+def test_rectangles_that_touch_but_for_rounding_leave_no_way(angle: float) -> None:
+    along, across = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
+    middles = [np.array([5.0, 5.0]) + 2 * k * along for k in (-1, 0, 1)]
+    wall = [Rectangle(x - 1, y - 0.25, 2, 0.5, angle, f"W{k}") for k, (x, y) in enumerate(middles)]
+    seam = middles[1] + along
+    through = [tuple(seam + 2 * across), tuple(seam - 2 * across)]
+    assert kinds(certify(walk(through, wall))) == ["crossing"]
+    side = 0.25 * (1 + 1e-14)
+    past = [tuple(seam + side * across + step * along) for step in (-0.5, 0.5)]
+    assert certify(walk(past, wall)).ok
+
+
 def test_where_nothing_is_free_a_point_robot_is_told() -> None:
     problems = certify(walk([(1, 1), (2, 2)], [Rectangle(-1, -1, 12, 12, name="X")])).problems
     assert [p.kind for p in problems] == ["clearance", "crossing"]

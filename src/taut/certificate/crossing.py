@@ -87,26 +87,24 @@ def _polygons(obstacle: Obstacle) -> list[shapely.Geometry]:
 
 
 def _welds(shapes: Shapes, tol: float) -> list[shapely.Geometry]:
-    """Thin triangles across every touching point of a round side, which polygons drawn into circles would leave open.
+    """Thin pieces across every place where shapes touch but for rounding: a room below tol / 64 counts as none.
 
-    Round sides touch only to rounding (no double lies on most circles), so a room below tol / 64 counts as none.
+    Round sides never touch exactly (no double lies on most circles), and the polygons drawn into them would leave
+    a way; corners that were turned or computed miss each other by a rounding.
     """
     owner = shapes.owner
     radius = shapes.radius[owner]
-    round_ = np.flatnonzero(radius > 0)
-    if not round_.size:
-        return []
     segments = shapely.linestrings(shapes.edges.reshape(-1, 2, 2))
     low = np.minimum(shapes.edges[:, :2], shapes.edges[:, 2:]) - radius[:, None] - tol
     high = np.maximum(shapes.edges[:, :2], shapes.edges[:, 2:]) + radius[:, None] + tol
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
-    a, b = shapely.STRtree(boxes).query(boxes[round_])
-    a = round_[a]
-    same = (owner[a] == owner[b]) & (np.abs(a - b) <= 1)
-    once = ~same & ((radius[b] == 0) | (a < b))
+    a, b = shapely.STRtree(boxes).query(boxes)
+    same = (owner[a] == owner[b]) & ((radius[a] == 0) | (np.abs(a - b) <= 1))
+    once = ~same & (a < b)
     a, b = a[once], b[once]
     room = shapely.distance(segments[a], segments[b]) - radius[a] - radius[b]
-    touching = (room <= tol / 64) & (room >= -2 * tol)
+    is_round = (radius[a] > 0) | (radius[b] > 0)
+    touching = (room <= tol / 64) & (room >= np.where(is_round, -2 * tol, 5e-324))
     out = []
     for i, j, gap in zip(a[touching], b[touching], room[touching], strict=True):
         (px, py), (qx, qy) = shapely.get_coordinates(shapely.shortest_line(segments[i], segments[j]))
@@ -115,6 +113,8 @@ def _welds(shapes: Shapes, tol: float) -> list[shapely.Geometry]:
         if length == 0.0:
             continue
         ahead = (q - p) / length
+        if radius[i] == 0 and radius[j] == 0:
+            out.append(shapely.box(*((p + q) / 2 - tol / 32), *((p + q) / 2 + tol / 32)))
         for base, way, r in ((p, ahead, radius[i]), (q, -ahead, radius[j])):
             if r > 0:
                 across = np.array([-way[1], way[0]]) * r / 2
