@@ -10,14 +10,14 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from naive import ExactRegion
 from sound import distance
 from strategies import scenes
-from zoo import POLYGONS_ONLY, ZOO, Entry, free_region_exact
-
 from taut.errors import GoalBlocked, NoPath, SceneError, StartBlocked
 from taut.freespace import FreeSpace, without_discs
 from taut.scene import Circle, FloatArray, Polygon, Robot, Scene
+from zoo import POLYGONS_ONLY, ZOO, Entry, free_region_exact
 
 HALL = Scene((0, 0, 8, 8))
 BLOCK = Polygon([(2, 2), (6, 2), (6, 6), (2, 6)])

@@ -104,9 +104,7 @@ def test_weights_default_to_one_and_nothing_is_a_graph_too() -> None:
         (3, [(0, 1), (1, 2)], [1.0], "2 edges but 1 weights"),
     ],
 )
-def test_wrong_edges_are_refused(
-    n: int, edges: list[tuple[int, int]], weights: list[float] | None, said: str
-) -> None:
+def test_wrong_edges_are_refused(n: int, edges: list[tuple[int, int]], weights: list[float] | None, said: str) -> None:
     with pytest.raises(ValueError, match=said):
         Graph.from_edges(n, edges, weights)
 

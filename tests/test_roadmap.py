@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
+
 from naive import ExactRegion, Spot
 from strategies import team_scenes
-from zoo import ZOO, Entry
-
 from taut.errors import TautError
 from taut.formats import load_scene
 from taut.freespace import FreeSpace
@@ -23,6 +22,7 @@ from taut.roadmap import PlacesRoadmap, places_roadmap
 from taut.scene import FloatArray, Polygon, Robot, Scene
 from taut.team.own_roadmap import OwnRoadmap, _rings
 from taut.team.world import World
+from zoo import ZOO, Entry
 
 MOST_VERTICES = 160
 COARSE = 0.2  # arcs with few corners, so that the exact reference stays quick

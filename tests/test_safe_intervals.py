@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from naive_search import Leg, earliest_arrival, forbidden_departures, legs_of, nearest
 
+from naive_search import Leg, earliest_arrival, forbidden_departures, legs_of, nearest
 from taut.graph import Graph
 from taut.motion import Trajectory
 from taut.scene import Robot, Scene
@@ -30,7 +30,9 @@ whole = st.tuples(st.integers(0, 12), st.integers(1, 5)).map(lambda p: (float(p[
 @settings(deadline=None, max_examples=200)
 @given(st.lists(whole, max_size=8), st.integers(-2, 40).map(lambda k: k / 2))
 def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, float]], t: float) -> None:
-    lo, hi = (np.array(column, dtype=np.float64) for column in (zip(*intervals, strict=True) if intervals else ([], [])))
+    lo, hi = (
+        np.array(column, dtype=np.float64) for column in (zip(*intervals, strict=True) if intervals else ([], []))
+    )
     count = _kernels._merge(lo, hi, len(intervals))
     merged = list(zip(lo[:count].tolist(), hi[:count].tolist(), strict=True))
     assert merged == sorted(merged)
@@ -216,7 +218,12 @@ def test_blockers_are_the_legs_that_a_motion_meets() -> None:
         way = places[:4]
         tau = np.hypot(*np.diff(way, axis=0).T)
         depart = 2.0 + np.append(0.0, np.cumsum(tau)[:-1])
-        got = set(zip(*(column.tolist() for column in _kernels.blockers(way, tau, depart, arrays, 0, body(scene))), strict=True))
+        got = set(
+            zip(
+                *(column.tolist() for column in _kernels.blockers(way, tau, depart, arrays, 0, body(scene))),
+                strict=True,
+            )
+        )
         for k in range(3):
             for i in np.flatnonzero((robots != 0) & (robots != NOBODY)).tolist():
                 leg = Leg(*legs[i].tolist(), scene.robots[0].radius + radii[i] + scene.gap)
@@ -254,7 +261,7 @@ def random_roadmap(rng: np.random.Generator, n: int) -> tuple[Floats, Ints]:
     positions = rng.uniform(0, SIDE, (n, 2))
     pairs = np.stack(np.triu_indices(n, 1), axis=1)
     away = np.hypot(*(positions[pairs[:, 0]] - positions[pairs[:, 1]]).T)
-    return positions, pairs[np.argsort(away)[: 3 * n // 2]].astype(np.int64)
+    return positions, pairs[np.argsort(away)[: int(n * rng.uniform(1.4, 2.5))]].astype(np.int64)
 
 
 def check_motion(
@@ -288,15 +295,16 @@ def search(
     base, over = layers(positions, edges, shared)
     robot = scene.robots[0]
     arrays = reserve(scene, trajectories, 1.0, 10.0).arrays
+    stays, ends, pinched = scene.stays(robot), (start, goal), (False, False)
     return _kernels.safe_interval_search(
-        base, over, positions, arrays, 0, body(scene), robot.speed, robot.start_time, scene.stays(robot), start, goal
+        base, over, positions, arrays, 0, body(scene), robot.speed, robot.start_time, stays, *ends, pinched
     )
 
 
 @pytest.mark.parametrize("seed", range(60))
 def test_the_arrival_is_the_earliest(seed: int) -> None:
     rng = np.random.default_rng(1000 + seed)
-    n = int(rng.integers(5, 9))
+    n = int(rng.integers(5, 13))
     positions, edges = random_roadmap(rng, n)
     # half of the others run on the roadmap itself, so that they meet the robot head-on and follow it
     places = positions if seed % 2 else rng.uniform(0, SIDE, (8, 2))
@@ -338,15 +346,13 @@ def test_the_trials_are_not_all_alike() -> None:
     held, failed = 0, 0
     for seed in range(60):
         rng = np.random.default_rng(1000 + seed)
-        n = int(rng.integers(5, 9))
+        n = int(rng.integers(5, 13))
         positions, edges = random_roadmap(rng, n)
         places = positions if seed % 2 else rng.uniform(0, SIDE, (8, 2))
         scene, trajectories = random_team(rng, int(rng.integers(2, 6)), places, 5, 0.4 * (seed % 5 == 0))
         start, goal = (int(v) for v in rng.choice(n, size=2, replace=False))
         found, *_, when, _ = search(positions, edges, n, scene, trajectories, start, goal)
-        alone, *_, soonest, _ = search(
-            positions, edges, n, replace(scene, robots=scene.robots[:1]), [], start, goal
-        )
+        alone, *_, soonest, _ = search(positions, edges, n, replace(scene, robots=scene.robots[:1]), [], start, goal)
         failed += alone and not found
         held += alone and found and when > soonest + 1e-6
     assert failed > 3

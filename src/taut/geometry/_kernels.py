@@ -123,7 +123,7 @@ def straight_corners(xy: Floats, ring_start: Ints, shared: NDArray[np.bool_]) ->
 def close_hairlines(xy: Floats, tri: Ints, nbr: Ints, width: float) -> tuple[Ints, Ints]:
     """Close the passages narrower than ``width``: returns triangles and neighbours of what remains.
 
-    A vertex so near to a boundary edge, its foot inside, takes their triangle away; an edge so short becomes a wall.
+    A vertex so near to a boundary edge takes their triangle away; an edge so short becomes a wall.
     """
     m = tri.shape[0]
     gone = np.zeros(m, dtype=np.bool_)
@@ -147,11 +147,8 @@ def close_hairlines(xy: Floats, tri: Ints, nbr: Ints, width: float) -> tuple[Int
             for k in range(3):
                 if across[t, k] >= 0:
                     continue
-                a, b, u = tri[t, k], tri[t, (k + 1) % 3], tri[t, (k + 2) % 3]
-                ex, ey = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
-                ux, uy = xy[u, 0] - xy[a, 0], xy[u, 1] - xy[a, 1]
-                square, along, height = ex * ex + ey * ey, ux * ex + uy * ey, ex * uy - ey * ux
-                if not (0.0 < along < square and height * height < width * width * square):
+                u = tri[t, (k + 2) % 3]
+                if _beyond(xy, tri[t, k], tri[t, (k + 1) % 3], xy[u, 0], xy[u, 1], width):
                     continue
                 gone[t] = True
                 for j in range(3):

@@ -64,7 +64,9 @@ def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     tangents = visibility_graph(freespace)
     corners, wedges = tangents.positions, tangents.wedges
     spacing = max(2.0 * separation, math.sqrt(freespace.area / _MOST_LATTICE_PLACES))
-    places, triangles = _places(mesh, spacing) if math.isfinite(spacing) else (np.empty((0, 2)), np.empty(0, np.int64))
+    places, triangles = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+    if math.isfinite(spacing) and len(mesh.triangles):
+        places, triangles = _places(mesh, spacing)
     positions = np.concatenate([corners, places])
     holders = np.concatenate([mesh.wedges[wedges, 3], triangles])
     pairs = [

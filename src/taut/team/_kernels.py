@@ -666,6 +666,7 @@ def safe_interval_search(
     stays: bool,
     start: int,
     goal: int,
+    pinched: tuple[bool, bool],
 ) -> tuple[bool, Ints, Floats, Floats, int, float, int]:
     """Earliest arrival by A* over (vertex, safe interval), moving at top speed or resting at vertices.
 
@@ -678,6 +679,8 @@ def safe_interval_search(
     positions : (n, 2) of all vertices, the shared ones first.
     who, body : the robot's number, and (radius, gap in planning, headway).
     speed, leave_after, stays : metres a second; seconds before which it may not leave; whether it stays at its goal.
+    pinched : whether free space touches itself at the start, and at the goal. Such an end belongs to all sides, so
+        nothing leads back to it or on from it: that would be a way from one side to another.
 
     Returns
     -------
@@ -804,11 +807,13 @@ def safe_interval_search(
             break
         ready = arrive[item]
         for layer in range(2):
-            if layer == 0 and u >= n_base:
+            if (layer == 0 and u >= n_base) or (u == goal and pinched[1]):
                 continue
             indptr, indices, lengths = base if layer == 0 else over
             for k in range(indptr[u], indptr[u + 1]):
                 v = indices[k]
+                if v == start and pinched[0]:
+                    continue
                 tau = lengths[k] / speed
                 useful = of_vertex[v] < 0
                 for s in range(of_vertex[v], of_vertex[v] + how_many[v]):

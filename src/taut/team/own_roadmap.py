@@ -28,11 +28,13 @@ class OwnRoadmap:
     positions : (k, 2) metres; first the start, then the goal.
     edges : (e, 2) over the shared vertices 0 … n − 1 and these, n … n + k − 1.
     lengths : (e,) metres.
+    pinched : whether free space touches itself at the start, and at the goal.
     """
 
     positions: Floats
     edges: Ints
     lengths: Floats
+    pinched: tuple[bool, bool]
 
     def adjacency(self, shared: int) -> Adjacency:
         """CSR over ``shared`` + k vertices."""
@@ -85,7 +87,8 @@ def own_roadmap(
     xy[:2] = ends.given[start : goal + 1]
     everything = np.concatenate([shared.positions, xy])
     lengths = np.hypot(*(everything[edges[:, 0]] - everything[edges[:, 1]]).T)
-    return OwnRoadmap(xy, edges[lengths > 0], lengths[lengths > 0])
+    at_start, at_goal = mesh.on_pinch(xy[:2]).tolist()
+    return OwnRoadmap(xy, edges[lengths > 0], lengths[lengths > 0], (at_start, at_goal))
 
 
 def _stops(route: Route, spacing: float) -> FloatArray:

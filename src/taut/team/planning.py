@@ -79,8 +79,10 @@ def plan(
     if order not in ORDERS:
         raise SceneError(f"order {order!r} is not one of {', '.join(ORDERS)}")
     most = MOST_ROUNDS if rounds is None else rounds
-    if most < 1:
+    if not isinstance(most, int) or most < 1:
         raise SceneError(f"rounds must be at least 1, got {rounds}")
+    if not isinstance(seed, int) or seed < 0:
+        raise SceneError(f"seed must be at least 0, got {seed}")
     if seconds is not None and not seconds > 0:
         raise SceneError(f"seconds must be positive, got {seconds}")
     notes = validate(scene)

@@ -90,6 +90,7 @@ def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory |
         scene.stays(robot),
         n,
         n + 1,
+        own.pinched,
     )
     if not found:
         place = positions[stuck]
