@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import dist, inf, isinf, nextafter
 
 from naive_conflicts import Meeting, closest, nearest_departure
@@ -38,7 +39,7 @@ def legs_of(trajectory: Trajectory, stays: bool, d: float) -> list[Leg]:
     rows = trajectory.stamps.tolist()
     out = [
         Leg(x0, y0, t0, x1, y1, t1, d)
-        for (t0, x0, y0), (t1, x1, y1) in zip(rows[:-1], rows[1:], strict=True)
+        for (t0, x0, y0), (t1, x1, y1) in pairwise(rows)
         if stays or t0 < trajectory.arrival
     ]
     t, x, y = rows[-1]

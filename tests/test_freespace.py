@@ -39,7 +39,7 @@ def room(scene: Scene, point: tuple[float, float]) -> float:
     """How far a point is from the nearest obstacle and the wall, negative outside the workspace."""
     wall, here = shapely.Polygon(scene.workspace), shapely.Point(point)
     to_wall = wall.exterior.distance(here) * (1 if wall.covers(here) else -1)
-    return min([to_wall, *(distance(point, o) for o in scene.obstacles)])
+    return min([float(to_wall), *(distance(point, o) for o in scene.obstacles)])
 
 
 def check_places(space: FreeSpace, points: FloatArray) -> None:

@@ -35,7 +35,7 @@ def all_distances(graph: Graph) -> Floats:
 
 def length_of(graph: Graph, path: list[int]) -> float:
     weight = {tuple(edge): w for edge, w in zip(graph.edges.tolist(), graph.lengths.tolist(), strict=True)}
-    return sum(weight[min(a, b), max(a, b)] for a, b in pairwise(path))
+    return float(sum(weight[min(a, b), max(a, b)] for a, b in pairwise(path)))
 
 
 @st.composite

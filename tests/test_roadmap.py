@@ -18,6 +18,7 @@ from taut.errors import TautError
 from taut.formats import load_scene
 from taut.freespace import FreeSpace
 from taut.graph import Graph, dijkstra
+from taut.graph.core import Ints
 from taut.roadmap import PlacesRoadmap, places_roadmap
 from taut.scene import FloatArray, Polygon, Robot, Scene
 from taut.team.own_roadmap import OwnRoadmap, _rings
@@ -52,7 +53,7 @@ def corner_spots(roadmap: PlacesRoadmap, exact: ExactRegion) -> list[Spot]:
     return [known[key] if key in known else exact.free(key[:2]) for key in keys(roadmap)]
 
 
-def check_allowed(space: FreeSpace, spots: list[Spot], exact: ExactRegion, edges: FloatArray, xy: FloatArray) -> int:
+def check_allowed(space: FreeSpace, spots: list[Spot], exact: ExactRegion, edges: Ints, xy: FloatArray) -> int:
     """Check all edges with GEOS, and some, with all that come near a pinch, exactly; returns how many of these."""
     if not len(edges):
         return 0
@@ -113,7 +114,7 @@ def test_generated_edges_are_allowed(scene: Scene) -> None:
 
 
 def check_own(world: World, i: int) -> None:
-    """Check the edges that one robot has beyond the shared ones; ends that touch a wall stand where they are anchored."""
+    """Check the edges that one robot has beyond the shared ones; its ends count where they are anchored."""
     shared, own, robot = world.shared(i), world.own(i), world.scene.robots[i]
     space, n, tol = shared.freespace, len(shared.positions), world.scene.tol
     assert (own.positions[:2] == [robot.start, robot.goal]).all()
@@ -133,6 +134,11 @@ def check_own(world: World, i: int) -> None:
     exact = ExactRegion(space.region, places)
     spots = [*corner_spots(shared, exact), *(exact.free(place) for place in places)]
     check_allowed(space, spots, exact, own.edges, xy)
+    for v in range(n + 2, len(xy)):
+        ways = own.edges[(own.edges == v).any(axis=1)].sum(axis=1) - v
+        assert any(all(wedge.admits(spots[u].place) for u in ways.tolist()) for wedge in spots[v].wedges), (
+            f"a stop at the pinch {places[v - corners]} leads from one side to the other"
+        )
 
 
 def connected(shared: PlacesRoadmap, own: OwnRoadmap) -> bool:
@@ -168,7 +174,8 @@ def test_zoo_own_edges_are_allowed(entry: Entry) -> None:
     world = World(replace(entry.scene, robots=keep))
     for detours in (False, True):
         if detours:
-            world.avoid_all_ends()
+            for i in range(len(world.scene.robots)):
+                world.avoid_all_ends(i)
         for i, robot in enumerate(keep):
             if robot.start != robot.goal:
                 check_own(world, i)
@@ -314,7 +321,8 @@ def test_routes_with_detours_avoid_all_other_ends() -> None:
         Robot("C", (10, 2), (10, 18), 0.5),
     ]
     world = World(Scene((0, 0, 20, 20), robots=team, gap=0.1))
-    world.avoid_all_ends()
+    for i in range(len(world.scene.robots)):
+        world.avoid_all_ends(i)
     for i in (0, 2):
         shared, own = world.shared(i), world.own(i)
         n = len(shared.positions)
@@ -331,6 +339,7 @@ def test_robots_that_change_places_have_no_way_round_their_ends() -> None:
     """Then they keep the ways they have; it is no error that another's goal is one's own start."""
     team = [Robot("A", (2, 5), (8, 5), 0.5), Robot("B", (8, 5), (2, 5), 0.5)]
     world = World(Scene((0, 0, 10, 10), robots=team))
-    world.avoid_all_ends()
+    for i in range(len(world.scene.robots)):
+        world.avoid_all_ends(i)
     assert [len(route.points) for route in world.routes] == [2, 2]
     check_own(world, 0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,13 +14,13 @@ from hypothesis import strategies as st
 from naive_search import Leg, earliest_arrival, forbidden_departures, legs_of, nearest
 from taut.graph import Graph
 from taut.motion import Trajectory
-from taut.scene import Robot, Scene
+from taut.scene import AtGoal, Robot, Scene
 from taut.team import _kernels
 from taut.team._kernels import Adjacency, Floats, Ints
 from taut.team.reservations import NOBODY, Reservations
 
 SIDE = 10.0
-NOTHING = np.empty(0)
+AT_GOAL: tuple[AtGoal, AtGoal] = ("stay", "leave")
 
 
 # --- Intervals --------------------------------------------------------------------------------------------------------
@@ -36,7 +37,7 @@ def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, flo
     count = _kernels._merge(lo, hi, len(intervals))
     merged = list(zip(lo[:count].tolist(), hi[:count].tolist(), strict=True))
     assert merged == sorted(merged)
-    assert all(a[1] <= b[0] for a, b in zip(merged[:-1], merged[1:], strict=True))
+    assert all(a[1] <= b[0] for a, b in pairwise(merged))
     for time in np.arange(-1, 20, 0.25).tolist():
         assert any(a < time < b for a, b in merged) == any(a < time < b for a, b in intervals)
 
@@ -82,7 +83,7 @@ def random_team(
         speed = float(rng.choice([0.3, 1.0, 2.5]))
         trajectory = random_trajectory(rng, f"R{k}", places, speed, legs)
         radius = float(rng.uniform(0.05, 0.6))
-        at_goal = "stay" if rng.random() < 0.6 else "leave"
+        at_goal: AtGoal = "stay" if rng.random() < 0.6 else "leave"
         start, goal = (tuple(trajectory.points[i].tolist()) for i in (0, -1))
         team.append(Robot(f"R{k}", start, goal, radius, speed, at_goal=at_goal))
         trajectories.append(trajectory)
@@ -131,9 +132,9 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         a, b = rng.uniform(0, SIDE, (2, 2))
         if rng.random() < 0.4:
             a, b = places[rng.integers(len(places), size=2)]
-        lo, hi, count = _kernels._place_conflicts(*a, arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark)
+        lo, hi, count = _kernels._place_conflicts(a[0], a[1], arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark)
         mark += 1
-        expected = [_kernels.rest_conflict(*a, *legs[i], distances[i]) for i in others]
+        expected = [_kernels.rest_conflict(*np.array([*a, *legs[i], distances[i]])) for i in others]
         for got, want in zip((lo[:count], hi[:count]), plain_union(expected, mine[2], -np.inf, np.inf), strict=True):
             np.testing.assert_array_equal(got, want)
 
@@ -144,7 +145,7 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
             (*a, *b), tau, earliest, latest, arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark
         )
         mark += 1
-        expected = [_kernels.edge_conflict(*a, *b, tau, *legs[i], distances[i]) for i in others]
+        expected = [_kernels.edge_conflict(*np.array([*a, *b, tau, *legs[i], distances[i]])) for i in others]
         found = plain_union(expected, mine[2], earliest, latest)
         for got, want in zip((lo[:count], hi[:count]), found, strict=True):
             np.testing.assert_array_equal(got, want)
@@ -226,7 +227,7 @@ def test_blockers_are_the_legs_that_a_motion_meets() -> None:
         )
         for k in range(3):
             for i in np.flatnonzero((robots != 0) & (robots != NOBODY)).tolist():
-                leg = Leg(*legs[i].tolist(), scene.robots[0].radius + radii[i] + scene.gap)
+                leg = Leg(*[*legs[i].tolist(), scene.robots[0].radius + radii[i] + scene.gap])
                 a, b = tuple(way[k].tolist()), tuple(way[k + 1].tolist())
                 off = nearest(a, b, float(depart[k]), float(tau[k]), leg, headway, shifts=201)
                 if abs(off) > 0.01:
@@ -313,7 +314,7 @@ def test_the_arrival_is_the_earliest(seed: int) -> None:
         scene.robots[0],
         speed=float(rng.choice([0.5, 1.0, 2.0])),
         start_time=float(rng.choice([0.0, 0.0, 3.0])),
-        at_goal=str(rng.choice(["stay", "leave"])),
+        at_goal=AT_GOAL[rng.integers(2)],
     )
     scene = replace(scene, robots=(robot, *scene.robots[1:]))
     start, goal = (int(v) for v in rng.choice(n, size=2, replace=False))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from taut.errors import GoalBlocked, NoPath, SceneError, StartBlocked
 from taut.geometry.growth import free_region
+from taut.geometry.overlay import remainder
 from taut.geometry.triangulation import Floats, Ints, Triangulation, triangulate
 from taut.scene import Robot, Scene
 
@@ -123,11 +124,16 @@ class FreeSpace:
             Both are free but nothing connects them.
         """
         start, goal = self.part_of([robot.start, robot.goal])
-        where = f"is not free for a disc grown to {self.growth:g} m"
-        if not start:
-            raise StartBlocked(f"robot {robot.name}: start ({robot.start[0]:g}, {robot.start[1]:g}) {where}")
-        if not goal:
-            raise GoalBlocked(f"robot {robot.name}: goal ({robot.goal[0]:g}, {robot.goal[1]:g}) {where}")
+        for parts, (x, y), word, error in (
+            (start, robot.start, "start", StartBlocked),
+            (goal, robot.goal, "goal", GoalBlocked),
+        ):
+            if not parts:
+                raise error(
+                    f"robot {robot.name}: {word} ({x:g}, {y:g}) has no room for radius + clearance = {self.growth:g} m, "
+                    f"or only where rounded corners meet (they are drawn up to {100 * self.arc_error:g} % of their "
+                    "radius outside the arc); move it away from them"
+                )
         if not start & goal:
             raise NoPath(
                 robot.name,
@@ -161,8 +167,8 @@ def without_discs(freespace: FreeSpace, centres: Floats, radii: Floats) -> FreeS
     sides = math.ceil(math.pi / math.acos(1.0 / (1.0 + freespace.arc_error)))
     angle = 2 * math.pi * np.arange(sides) / sides
     unit = np.stack([np.cos(angle), np.sin(angle)], axis=1) / math.cos(math.pi / sides)
-    discs = shapely.polygons(centres[:, None] + radii[:, None, None] * unit)
-    region = shapely.difference(freespace.region, shapely.union_all(discs[radii > 0]))
+    discs = shapely.polygons(centres[radii > 0, None] + radii[radii > 0, None, None] * unit)
+    region = remainder(freespace.region, discs, freespace.scene.tol) if len(discs) else freespace.region
     parts = shapely.get_parts(region)
     region = shapely.multipolygons(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON])
     return FreeSpace(freespace.scene, freespace.growth, freespace.arc_error, region)

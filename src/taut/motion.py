@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,13 +82,14 @@ class Trajectory:
     def waits(self) -> list[tuple[float, float, float, float]]:
         """Rests before arrival as (from, until, x, y); consecutive rests are one."""
         out: list[tuple[float, float, float, float]] = []
-        for (t0, x0, y0), (t1, x1, y1) in zip(self.stamps[:-1], self.stamps[1:], strict=True):
-            if x0 != x1 or y0 != y1 or t0 >= self.arrival:
+        arrival = self.arrival
+        for (t0, x0, y0), (t1, x1, y1) in pairwise(self.stamps.tolist()):
+            if x0 != x1 or y0 != y1 or t0 >= arrival:
                 continue
             if out and out[-1][1] == t0:
-                out[-1] = (out[-1][0], float(t1), float(x0), float(y0))
+                out[-1] = (out[-1][0], t1, x0, y0)
             else:
-                out.append((float(t0), float(t1), float(x0), float(y0)))
+                out.append((t0, t1, x0, y0))
         return out
 
     def at(self, times: ArrayLike) -> FloatArray:

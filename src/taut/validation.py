@@ -49,15 +49,27 @@ def validate(scene: Scene) -> tuple[str, ...]:
         return _validated(scene, scene.tol)
 
 
-def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
+def check_form(scene: Scene) -> None:
+    """Check what does not depend on where the robots stand, and without which nothing can be proved of their motions.
+
+    Raises
+    ------
+    SceneError
+        Numbers too large or too small, a ring that is none, two point robots without gap.
+    """
+    tol = scene.tol
     if not 1 / _LARGEST < 2.0**40 * tol < _LARGEST and tol > 0:
         message = (
             f"largest coordinate is {2.0**40 * tol:.3g} m; beyond {_LARGEST:g} and below {1 / _LARGEST:g} nothing can"
         )
         raise SceneError(f"the scene's {message} be computed; use other units")
     _check_rings(scene)
-    ground = _Ground.of(scene)
     _check_point_robots(scene)
+
+
+def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
+    check_form(scene)
+    ground = _Ground.of(scene)
     robots = scene.robots
     growths = np.array([scene.growth(robot) for robot in robots], dtype=np.float64)
     starts = np.array([robot.start for robot in robots], dtype=np.float64).reshape(-1, 2)

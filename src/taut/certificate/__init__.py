@@ -17,8 +17,10 @@ from taut.certificate.crossing import check_crossing
 from taut.certificate.report import KINDS, Certificate, Clearance, Problem, Separation
 from taut.certificate.separation import check_separation
 from taut.certificate.tracks import tracks_of
+from taut.errors import SceneError
 from taut.motion import Plan
 from taut.scene import Scene
+from taut.validation import check_form
 
 __all__ = ["Certificate", "Clearance", "Problem", "Separation", "certify"]
 
@@ -54,13 +56,21 @@ def certify(plan: Plan, scene: Scene | None = None) -> Certificate:
     """
     own = plan.scene
     tracks, shapes = tracks_of(plan), shapes_of(own)
-    problems = [*_scene(own, scene), *_claims(plan), *_ends(plan)]
+    problems = [*_form(own), *_scene(own, scene), *_claims(plan), *_ends(plan)]
     ratio, fast = _speed(plan)
     separation, near = check_separation(own, tracks)
     clearances, close = check_clearance(own, tracks, shapes)
     problems += [*fast, *near, *close, *check_crossing(own, tracks, shapes)]
     problems.sort(key=lambda problem: KINDS.index(problem.kind))
     return Certificate(own.tol, separation, clearances, ratio, tuple(problems))
+
+
+def _form(own: Scene) -> list[Problem]:
+    try:
+        check_form(own)
+    except SceneError as error:
+        return [Problem("scene", detail=error.message)]
+    return []
 
 
 def _scene(own: Scene, given: Scene | None) -> list[Problem]:

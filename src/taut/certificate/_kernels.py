@@ -7,15 +7,16 @@ rounding of it), so a fault is never invented; the case analysis makes sure that
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taut.compiling import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _to_segment(px: float, py: float, ax: float, ay: float, bx: float, by: float) -> tuple[float, float]:
     """Squared distance from p to the segment ab, and where on it (0 … 1)."""
     rx, ry = bx - ax, by - ay
@@ -32,7 +33,7 @@ def _to_segment(px: float, py: float, ax: float, ay: float, bx: float, by: float
     return qx * qx + qy * qy, s
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _between_segments(
     ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float
 ) -> tuple[float, float]:
@@ -60,7 +61,7 @@ def _between_segments(
     return best, at
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _inside(px: float, py: float, edges: Floats) -> bool:
     """Whether p is inside the rings made of the edges (even-odd); right unless p is within rounding of an edge."""
     inside = False
@@ -73,7 +74,7 @@ def _inside(px: float, py: float, edges: Floats) -> bool:
     return inside
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _to_edges(px: float, py: float, edges: Floats) -> float:
     best = np.inf
     for k in range(edges.shape[0]):
@@ -82,7 +83,7 @@ def _to_edges(px: float, py: float, edges: Floats) -> float:
     return float(np.sqrt(best))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _within(edges: Floats, x0: float, y0: float, x1: float, y1: float) -> Floats:
     """Those edges whose bounds meet the box, (k, 4)."""
     count = 0
@@ -102,7 +103,7 @@ def _within(edges: Floats, x0: float, y0: float, x1: float, y1: float) -> Floats
     return out
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _splits(ax: float, ay: float, bx: float, by: float, edges: Floats, reach: float) -> Floats:
     """Where the leg ab meets, or comes nearest to, the edges within reach of it: sorted, with 0 and 1."""
     near = np.empty(edges.shape[0], dtype=np.int64)
@@ -144,7 +145,7 @@ def _splits(ax: float, ay: float, bx: float, by: float, edges: Floats, reach: fl
     return out[:size]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _deepest(
     ax: float, ay: float, bx: float, by: float, edges: Floats, forbidden: bool, tol: float,
     floor: float,
@@ -218,7 +219,7 @@ def _deepest(
     return best, at
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def deepest_legs(
     x: Floats, y: Floats, first: Ints, robots: Ints, edges: Floats, forbidden: bool, tol: float
 ) -> tuple[Floats, Ints, Floats]:
@@ -242,7 +243,7 @@ def deepest_legs(
 OPEN, FILLED, OUTSIDE = 0, 1, 2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def least_clearances(
     x: Floats, y: Floats, first: Ints, edges: Floats, edge_first: Ints, boxes: Floats, own_radius: Floats,
     kind: Ints, tol: float,
@@ -300,7 +301,7 @@ def least_clearances(
     return value, shape, stamp, where
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def signed_distances(px: float, py: float, edges: Floats, edge_first: Ints, own_radius: Floats, kind: Ints) -> Floats:
     """Signed distance of one point to every shape, (m,) metres; the shapes as in `least_clearances`."""
     out = np.empty(kind.size, dtype=np.float64)
@@ -313,13 +314,13 @@ def signed_distances(px: float, py: float, edges: Floats, edge_first: Ints, own_
     return out
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _to_origin(ax: float, ay: float, bx: float, by: float) -> tuple[float, float]:
     """Squared distance from the origin to the segment ab, and where on it (0 … 1)."""
     return _to_segment(0.0, 0.0, ax, ay, bx, by)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _pair(
     i: int, j: int, t: Floats, x: Floats, y: Floats, vx: Floats, vy: Floats, first: Ints, stays: Flags
 ) -> tuple[float, float, float]:
@@ -351,7 +352,7 @@ def _pair(
     return best, when, when
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _pair_headway(
     i: int, j: int, t: Floats, x: Floats, y: Floats, vx: Floats, vy: Floats, first: Ints, stays: Flags, h: float
 ) -> tuple[float, float, float]:
@@ -421,7 +422,7 @@ def _pair_headway(
     return best, when, other
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def least_separations(
     t: Floats, x: Floats, y: Floats, vx: Floats, vy: Floats, first: Ints, stays: Flags, present: Flags,
     boxes: Floats, radius: Floats, gap: float, headway: float, tol: float,

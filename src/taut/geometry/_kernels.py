@@ -7,8 +7,9 @@ where ``nbr[t, k]`` lies across the edge from ``tri[t, k]`` to ``tri[t, k + 1]``
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taut.compiling import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -18,7 +19,7 @@ _ORIENT_ERROR = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
 _SPLITTER = 2.0**27 + 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _two_product(a: float, b: float) -> tuple[float, float]:
     """The product a · b as an unevaluated sum high + low, without error (Dekker)."""
     p = a * b
@@ -31,7 +32,7 @@ def _two_product(a: float, b: float) -> tuple[float, float]:
     return p, al * bl - (((p - ah * bh) - al * bh) - ah * bl)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _orient_exact(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> float:
     """Sign of the determinant from its six products, each exact, summed as an expansion (Shewchuk, Grow-Expansion)."""
     e = np.empty(12)
@@ -64,7 +65,7 @@ def _orient_exact(ax: float, ay: float, bx: float, by: float, cx: float, cy: flo
     return 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def orient(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> float:
     """Positive if a, b, c turn left, negative if right, zero if and only if they lie on one line. The sign is exact."""
     left = (ax - cx) * (by - cy)
@@ -75,7 +76,7 @@ def orient(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> 
     return det
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _longer(a: Ints) -> Ints:
     """Copy to twice the length; a loop, because slice assignment compiles ten times as long."""
     out = np.empty(2 * a.shape[0], dtype=np.int64)
@@ -84,7 +85,7 @@ def _longer(a: Ints) -> Ints:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _head(a: Ints, n: int) -> Ints:
     out = np.empty(n, dtype=np.int64)
     for i in range(n):
@@ -92,7 +93,7 @@ def _head(a: Ints, n: int) -> Ints:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _higher(stack: Ints) -> Ints:
     out = np.empty((2 * stack.shape[0], stack.shape[1]), dtype=np.int64)
     for i in range(stack.shape[0]):
@@ -101,7 +102,7 @@ def _higher(stack: Ints) -> Ints:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def straight_corners(xy: Floats, ring_start: Ints, shared: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Mark ring vertices that lie exactly on the line through their neighbours and on no other ring.
 
@@ -119,7 +120,7 @@ def straight_corners(xy: Floats, ring_start: Ints, shared: NDArray[np.bool_]) ->
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def close_hairlines(xy: Floats, tri: Ints, nbr: Ints, width: float) -> tuple[Ints, Ints]:
     """Close the passages narrower than ``width``: returns triangles and neighbours of what remains.
 
@@ -180,7 +181,7 @@ def close_hairlines(xy: Floats, tri: Ints, nbr: Ints, width: float) -> tuple[Int
     return out_tri, out_nbr
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def label_parts(nbr: Ints) -> tuple[Ints, int]:
     """Number the parts of the region that hang together through edges: label of each triangle, how many."""
     m = nbr.shape[0]
@@ -206,7 +207,7 @@ def label_parts(nbr: Ints) -> tuple[Ints, int]:
     return part, count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def wedges(tri: Ints, nbr: Ints) -> tuple[Ints, Ints]:
     """Find the wedges, the open sectors of free space about each vertex.
 
@@ -249,7 +250,7 @@ def wedges(tri: Ints, nbr: Ints) -> tuple[Ints, Ints]:
     return fan, wedge_of
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def wedge_turns(xy: Floats, fan: Ints) -> Ints:
     """+1 for a wedge wider than π, 0 for exactly π, −1 for narrower."""
     out = np.empty(fan.shape[0], dtype=np.int64)
@@ -268,7 +269,7 @@ def wedge_turns(xy: Floats, fan: Ints) -> Ints:
 # Point location: a uniform grid; each cell lists the triangles that may reach into it
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[float, float]:
     """The x-range of triangle t within the strip lo ≤ y ≤ hi, widened a little; empty as (inf, -inf)."""
     x0, x1 = np.inf, -np.inf
@@ -291,12 +292,12 @@ def _row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[floa
     return x0, x1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _cell(x: float, x0: float, step: float, n: int) -> int:
     return min(max(int((x - x0) / step), 0), n - 1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def location_grid(xy: Floats, tri: Ints) -> tuple[Floats, Ints, Ints, Ints]:
     """Build the grid: frame (x0, y0, step), shape (columns, rows), CSR of triangles per cell."""
     m = tri.shape[0]
@@ -334,7 +335,7 @@ def location_grid(xy: Floats, tri: Ints) -> tuple[Floats, Ints, Ints, Ints]:
     return frame, shape, start, items
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _inside(xy: Floats, tri: Ints, t: int, x: float, y: float) -> bool:
     for k in range(3):
         a, b = tri[t, k], tri[t, (k + 1) % 3]
@@ -343,7 +344,7 @@ def _inside(xy: Floats, tri: Ints, t: int, x: float, y: float) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items: Ints, points: Floats) -> Ints:
     """For each point the number of a triangle that contains it (boundary included), −1 outside. Exact."""
     out = np.full(points.shape[0], -1, dtype=np.int64)
@@ -363,7 +364,7 @@ def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items
 # Seeing
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _roots(
     xy: Floats, tri: Ints, nbr: Ints, fan: Ints, vertex_start: Ints, vertex_wedges: Ints, t: int, x: float, y: float
 ) -> Ints:
@@ -398,7 +399,7 @@ def _roots(
     return one
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> bool:
     """Whether the line from p through vertex v strictly separates v's neighbours: then no taut path bends at v."""
     vx, vy = xy[v, 0], xy[v, 1]
@@ -407,14 +408,14 @@ def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> boo
     return (ob > 0.0 and oa < 0.0) or (ob < 0.0 and oa > 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _blind(xy: Floats, root: int, b: int, a: int, u: int) -> bool:
     """Whether u lies, seen from corner `root`, where no taut path can leave: both boundary edges would be cut off."""
     vx, vy, ux, uy = xy[root, 0], xy[root, 1], xy[u, 0], xy[u, 1]
     return orient(vx, vy, xy[b, 0], xy[b, 1], ux, uy) >= 0.0 and orient(vx, vy, xy[a, 0], xy[a, 1], ux, uy) <= 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _beyond(xy: Floats, a: int, b: int, px: float, py: float, reach: float) -> bool:
     """Whether the segment from vertex a to vertex b is farther than ``reach`` from p."""
     ax, ay = xy[a, 0] - px, xy[a, 1] - py
@@ -424,7 +425,7 @@ def _beyond(xy: Floats, a: int, b: int, px: float, py: float, reach: float) -> b
     return bool(dx * dx + dy * dy > reach * reach)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _expand(
     xy: Floats,
     tri: Ints,
@@ -492,7 +493,7 @@ def _expand(
     return stack, seen, n
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _push_root(xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, root: Ints, stack: Ints, top: int) -> tuple[Ints, int]:
     """Push the cone from the root through edge k of triangle t, unless it is closed or wholly blind."""
     s = nbr[t, k]
@@ -515,7 +516,7 @@ def _push_root(xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, root: Ints, sta
     return stack, top + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def see_from_wedges(
     xy: Floats,
     tri: Ints,
@@ -581,7 +582,7 @@ def see_from_wedges(
     return _head(va, count), _head(vb, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def see_from_points(
     xy: Floats,
     tri: Ints,
@@ -637,7 +638,7 @@ def see_from_points(
     return start, _head(out, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _sees(xy: Floats, tri: Ints, nbr: Ints, t: int, px: float, py: float, qx: float, qy: float, longest: int) -> bool:
     """Whether q is seen from p, which triangle t contains, starting through t: no vertex strictly between."""
     if _inside(xy, tri, t, qx, qy):
@@ -680,7 +681,7 @@ def _sees(xy: Floats, tri: Ints, nbr: Ints, t: int, px: float, py: float, qx: fl
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def see_pairs(
     xy: Floats,
     tri: Ints,
@@ -704,7 +705,7 @@ def see_pairs(
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def extend_collinear(positions: Floats, through: NDArray[np.bool_], indptr: Ints, indices: Ints) -> tuple[Ints, Ints]:
     """Further pairs (v, w), v < w, that see each other along a line touching vertices marked ``through`` on the way.
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taut.compiling import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _heap_push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
     """Insert into the heap of the given size; ties are served by the smaller item, so that results are unique."""
     i = size
@@ -23,7 +24,7 @@ def _heap_push(keys: Floats, items: Ints, size: int, key: float, item: int) -> N
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _heap_drop_first(keys: Floats, items: Ints, size: int) -> None:
     """Remove the first of ``size`` entries."""
     last = size - 1
@@ -43,7 +44,7 @@ def _heap_drop_first(keys: Floats, items: Ints, size: int) -> None:
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def dijkstra(indptr: Ints, indices: Ints, weights: Floats, source: int) -> tuple[Floats, Ints]:
     """Distances from one vertex (inf where there is no path) and the vertex before each on a shortest path (−1)."""
     n = indptr.shape[0] - 1
@@ -73,7 +74,7 @@ def dijkstra(indptr: Ints, indices: Ints, weights: Floats, source: int) -> tuple
     return distance, before
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def astar(
     indptr: Ints,
     indices: Ints,

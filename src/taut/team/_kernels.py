@@ -9,8 +9,9 @@ from math import inf, sqrt
 from typing import TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taut.compiling import kernel
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -35,7 +36,7 @@ _STILL = 1e-280  # m²: a displacement whose square is below counts as rest, sin
 _SHAVE = 2.0**-48  # relative depth by which extremes of the ellipse stay inside; exceeds all rounding errors together
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _span(cross: float, dot: float, square: float, reach: float) -> tuple[float, float]:
     """Find the fractions f in [0, 1] with |w + f e| < d, as (first, last); first > last if there are none.
 
@@ -50,7 +51,7 @@ def _span(cross: float, dot: float, square: float, reach: float) -> tuple[float,
     return max(0.0, (-dot - half) / square), min(1.0, (half - dot) / square)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def rest_conflict(
     px: float, py: float, x0: float, y0: float, t0: float, x1: float, y1: float, t1: float, d: float
 ) -> tuple[bool, float, float]:
@@ -96,7 +97,7 @@ def rest_conflict(
     return False, inf, -inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def edge_conflict(
     ax: float,
     ay: float,
@@ -194,7 +195,7 @@ def edge_conflict(
     return False, inf, -inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _crossing(
     wx: float,
     wy: float,
@@ -294,7 +295,7 @@ def _crossing(
 # with frame = (x0, y0, side of a cell, seconds of a span) and shape = (columns, rows, spans).
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _longer_floats(a: Floats) -> Floats:
     out = np.empty(2 * a.shape[0])
     for i in range(a.shape[0]):
@@ -302,7 +303,7 @@ def _longer_floats(a: Floats) -> Floats:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _longer_ints(a: Ints) -> Ints:
     out = np.empty(2 * a.shape[0], dtype=np.int64)
     for i in range(a.shape[0]):
@@ -310,12 +311,12 @@ def _longer_ints(a: Ints) -> Ints:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _cell(x: float, x0: float, step: float, n: int) -> int:
     return min(max(int((x - x0) / step), 0), n - 1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _rows(
     x0: float, y0: float, x1: float, y1: float, reach: float, col: int, frame: Floats, rows: int
 ) -> tuple[int, int]:
@@ -337,7 +338,7 @@ def _rows(
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _spans(t0: float, t1: float, frame: Floats, shape: Ints) -> tuple[int, int]:
     """First span of a stretch of time, before the modulus, and how many it touches (all of them at most)."""
     spans = shape[2]
@@ -347,7 +348,7 @@ def _spans(t0: float, t1: float, frame: Floats, shape: Ints) -> tuple[int, int]:
     return first, min(int(t1 / frame[3]) - first + 1, spans)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _within(a: float, b: float, lo: float, hi: float) -> tuple[float, float]:
     """Fractions of the way from a to b that lie between lo and hi, as (first, last)."""
     if a == b:
@@ -356,7 +357,7 @@ def _within(a: float, b: float, lo: float, hi: float) -> tuple[float, float]:
     return max(min(f, g), 0.0), min(max(f, g), 1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _passage(
     ax: float, ay: float, bx: float, by: float, reach: float, col: int, row: int, frame: Floats
 ) -> tuple[float, float]:
@@ -367,7 +368,7 @@ def _passage(
     return max(f0, g0), min(f1, g1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def enter_legs(
     legs: Floats,
     first: int,
@@ -408,7 +409,7 @@ def enter_legs(
     return entry, following, count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _append(lo: Floats, hi: Floats, count: int, a: float, b: float) -> tuple[Floats, Floats, int]:
     if count == lo.shape[0]:
         lo, hi = _longer_floats(lo), _longer_floats(hi)
@@ -416,7 +417,7 @@ def _append(lo: Floats, hi: Floats, count: int, a: float, b: float) -> tuple[Flo
     return lo, hi, count + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _merge(lo: Floats, hi: Floats, count: int) -> int:
     """Sort open intervals and join those that overlap; returns how many remain."""
     for i in range(1, count):
@@ -436,7 +437,7 @@ def _merge(lo: Floats, hi: Floats, count: int) -> int:
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _place_conflicts(
     x: float, y: float, reserved: Reserved, who: int, body: Floats, lo: Floats, hi: Floats, stamp: Ints, mark: int
 ) -> tuple[Floats, Floats, int]:
@@ -462,7 +463,7 @@ def _place_conflicts(
     return lo, hi, _merge(lo, hi, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _edge_conflicts(
     edge: tuple[float, float, float, float],
     tau: float,
@@ -510,7 +511,7 @@ def _edge_conflicts(
     return lo, hi, _merge(lo, hi, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _earliest_departure(
     edge: tuple[float, float, float, float],
     tau: float,
@@ -537,7 +538,7 @@ def _earliest_departure(
     return inf, lo, hi, mark
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def blockers(
     positions: Floats, tau: Floats, depart: Floats, reserved: Reserved, who: int, body: Floats
 ) -> tuple[Ints, Ints]:
@@ -564,7 +565,7 @@ def blockers(
 # --- Safe-interval search ---------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
     """Insert into a binary heap; ties are served by the smaller item."""
     i = size
@@ -577,7 +578,7 @@ def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _drop_first(keys: Floats, items: Ints, size: int) -> None:
     last = size - 1
     key, item = keys[last], items[last]
@@ -597,7 +598,7 @@ def _drop_first(keys: Floats, items: Ints, size: int) -> None:
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _settle(
     v: int,
     base: Adjacency,
@@ -635,7 +636,7 @@ def _settle(
     return size
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _first_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     """The first time ≥ t outside the intervals."""
     for i in range(count):
@@ -644,7 +645,7 @@ def _first_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     return t
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _last_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     """The last time ≤ t outside the intervals."""
     for i in range(count - 1, -1, -1):
@@ -653,7 +654,7 @@ def _last_free(lo: Floats, hi: Floats, count: int, t: float) -> float:
     return t
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def safe_interval_search(
     base: Adjacency,
     over: Adjacency,
@@ -874,7 +875,7 @@ def safe_interval_search(
     return True, out_vertex, out_arrive, out_depart, goal, arrive[reached], pops
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _edge_time(base: Adjacency, over: Adjacency, n_base: int, u: int, v: int, speed: float) -> float:
     best = inf
     if u < n_base:

@@ -60,8 +60,8 @@ def plan(
     method : "prioritized": robots one after another, failed ones moved to the front and all planned anew.
     order : who is planned first: "shortest" or "longest" way (by time), or as "given" in the scene.
     seed : of the shuffles that break a cycle of orders; same input, seed and rounds give the same plan, bit for bit.
-    rounds : greatest number of passes over the team, 60 by default.
-    seconds : no new pass is begun after this time.
+    rounds : greatest number of passes over the team, 24 by default.
+    seconds : passes after the first are given up after this time.
     progress : called after each pass with its number and how many robots failed in it.
 
     Raises

@@ -20,7 +20,7 @@ from taut.team._kernels import Floats
 from taut.team.reservations import Reservations
 from taut.team.world import World
 
-MOST_ROUNDS = 60
+MOST_ROUNDS = 24
 
 Stamp: TypeAlias = tuple[float, float, float]
 
@@ -51,8 +51,12 @@ class Round:
     failures: tuple[Failure, ...]
 
 
-def plan_in_order(world: World, order: Sequence[int], hold: float) -> Round:
-    """Plan each robot in turn; the starts of those still to come are held for ``hold`` seconds (inf: until planned)."""
+def plan_in_order(world: World, order: Sequence[int], hold: float, until: float = math.inf) -> Round | None:
+    """Plan each robot in turn; the starts of those still to come are held for ``hold`` seconds.
+
+    With an infinite hold, a robot that fails tries again with a route that avoids all other starts and goals. None if
+    the monotonic clock passes ``until`` first.
+    """
     scene = world.scene
     reservations = Reservations(scene, world.cell, world.horizon)
     for i in order:
@@ -60,7 +64,11 @@ def plan_in_order(world: World, order: Sequence[int], hold: float) -> Round:
     trajectories: list[Trajectory | None] = [None] * len(scene.robots)
     failures = []
     for i in order:
+        if time.monotonic() > until:
+            return None
         motion = plan_robot(world, i, reservations)
+        if isinstance(motion, Failure) and math.isinf(hold) and world.avoid_all_ends(i):
+            motion = plan_robot(world, i, reservations)
         if isinstance(motion, Failure):
             failures.append(motion)
         else:
@@ -100,24 +108,24 @@ def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory |
     return Trajectory(robot.name, _stamps(positions[vertices], arrive, depart, robot.speed, scene.tol))
 
 
-def rounds(world: World, order: Sequence[int], rng: np.random.Generator) -> Iterator[Round]:
+def rounds(world: World, order: Sequence[int], rng: np.random.Generator, until: float = math.inf) -> Iterator[Round]:
     """Yield passes until one has no failure: failed robots first, starts held longer, then the well-formed way.
 
     Holding starts for ever fails in dense maps, not at all fails where a robot cannot leave in time: so the hold grows.
-    Every eighth pass holds them for ever and gives each robot a route that avoids all other starts and goals; in a
-    well-formed scene, where all robots have one, that pass cannot fail.
+    Every eighth pass holds them for ever and lets each robot that fails avoid all other starts and goals; in a
+    well-formed scene, where all robots can, that pass cannot fail. The first pass is always finished; later ones end
+    when the monotonic clock passes ``until``.
     """
     order = tuple(order)
     tried = set()
     for number in itertools.count():
-        well_formed = number % 8 == 7
-        if well_formed:
-            world.avoid_all_ends()
-        hold = np.inf if well_formed else world.moment * 2.0 ** (number % 8)
+        hold = np.inf if number % 8 == 7 else world.moment * 2.0 ** (number % 8)
         if (order, hold) in tried:
             order = tuple(int(i) for i in rng.permutation(order))
         tried.add((order, hold))
-        result = plan_in_order(world, order, hold)
+        result = plan_in_order(world, order, hold, math.inf if number == 0 else until)
+        if result is None:
+            return
         yield result
         failed = [f.robot for f in result.failures]
         if not failed:
@@ -134,17 +142,16 @@ def plan_rounds(
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Round, int]:
     """Return the first round without failure, or the one with fewest, and the number of rounds done."""
-    best = None
-    done = 0
-    for result in itertools.islice(rounds(world, order, rng), most):
-        done += 1
-        if best is None or len(result.failures) < len(best.failures):
+    passes = itertools.islice(rounds(world, order, rng, until), most)
+    best = next(passes)
+    done = 1
+    for result in itertools.chain([best], passes):
+        if result is not best:
+            done += 1
+        if len(result.failures) < len(best.failures):
             best = result
         if progress is not None:
             progress(done, len(result.failures))
-        if not result.failures or time.monotonic() > until:
-            break
-    assert best is not None
     return best, done
 
 
@@ -170,6 +177,9 @@ def _stamps(points: Floats, arrive: Floats, depart: Floats, speed: float, tol: f
                 continue
             while len(rows) > 1 and _on_the_way(rows[-2], rows[-1], (t, x, y), tol / 64):
                 rows.pop()
+            before, *place = rows[-1]
+            if math.dist(place, (x, y)) > speed * (t - before):  # rounding must not make it faster than it can be
+                t = math.nextafter(max(t, before + math.dist(place, (x, y)) / speed), math.inf)
             rows.append((t, x, y))
     return np.array(rows)
 

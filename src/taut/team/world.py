@@ -10,7 +10,7 @@ import shapely
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace, without_discs
 from taut.roadmap import PlacesRoadmap, places_roadmap, visibility_graph
-from taut.route import Attached, Route, attach, routes_between
+from taut.route import Attached, Route, attach, routes_between, shortest_routes
 from taut.scene import Scene
 from taut.team._kernels import Floats, Ints
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
@@ -99,20 +99,20 @@ class World:
         scene = self.scene
         return np.array([scene.robots[i].radius, scene.gap - scene.tol / 2, scene.headway])
 
-    def avoid_all_ends(self) -> None:
-        """Give each robot, where there is one, a route that keeps clear of all other robots' starts and goals."""
-        for i, robot in enumerate(self.scene.robots):
-            if self._detours[i] is not None or robot.start == robot.goal:
-                continue
-            others = np.flatnonzero(np.arange(len(self._ends)) // 2 != i)
-            apart = without_discs(self.shared(i).freespace, self._ends[others], self._keeps_from(i)[others])
-            tangents = visibility_graph(apart)
-            ends = attach(apart, tangents, [robot.start, robot.goal])
-            try:
-                self._detours[i] = routes_between(apart, tangents, ends)[0]
-            except (NoPath, StartBlocked, GoalBlocked):
-                continue
-            self._own[i] = None
+    def avoid_all_ends(self, i: int) -> bool:
+        """Give robot i a route that keeps clear of all other robots' starts and goals; False if there is no new one."""
+        robot = self.scene.robots[i]
+        if self._detours[i] is not None or robot.start == robot.goal:
+            return False
+        others = np.flatnonzero(np.arange(len(self._ends)) // 2 != i)
+        apart = without_discs(self.shared(i).freespace, self._ends[others], self._keeps_from(i)[others])
+        tangents = visibility_graph(apart)
+        try:
+            self._detours[i] = shortest_routes(apart, tangents, [robot.start], [robot.goal])[0]
+        except (NoPath, StartBlocked, GoalBlocked):
+            return False
+        self._own[i] = None
+        return True
 
     def _keeps_from(self, i: int) -> Floats:
         """Metres that robot i keeps from the robot that starts or ends at each of the ends."""
