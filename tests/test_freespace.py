@@ -262,6 +262,15 @@ def test_discs_taken_out_are_taken_out(scene: Scene, data: st.DataObject) -> Non
     assert (after[beside & bulk] == before[beside & bulk]).all()
 
 
+def test_a_disc_is_taken_out_up_to_its_rim_and_hardly_beyond() -> None:
+    space = FreeSpace(HALL)
+    rest = without_discs(space, np.array([[4.0, 4.0]]), np.array([2.0]))
+    angle = np.linspace(0, 2 * math.pi, 1000)
+    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    assert not rest.contains(4 + 2 * (1 - 1e-9) * around).any()
+    assert rest.contains(4 + 2 * (1 + space.arc_error + 1e-9) * around).all()
+
+
 def test_a_disc_across_parts_the_hall() -> None:
     corridor = Scene((0, 0, 8, 1))
     space = without_discs(FreeSpace(corridor), np.array([[4.0, 0.5]]), np.array([0.6]))

@@ -130,7 +130,7 @@ class FreeSpace:
         ):
             if not parts:
                 raise error(
-                    f"robot {robot.name}: {word} ({x:g}, {y:g}) has no room for radius + clearance = {self.growth:g} m, "
+                    f"robot {robot.name}: {word} ({x:g}, {y:g}) has no room for radius + clearance {self.growth:g} m, "
                     f"or only where rounded corners meet (they are drawn up to {100 * self.arc_error:g} % of their "
                     "radius outside the arc); move it away from them"
                 )
