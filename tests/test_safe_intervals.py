@@ -132,7 +132,7 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         a, b = rng.uniform(0, SIDE, (2, 2))
         if rng.random() < 0.4:
             a, b = places[rng.integers(len(places), size=2)]
-        lo, hi, count = _kernels._place_conflicts(a[0], a[1], arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark)
+        lo, hi, count = _kernels.place_conflicts(a[0], a[1], arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark)
         mark += 1
         expected = [_kernels.rest_conflict(*np.array([*a, *legs[i], distances[i]])) for i in others]
         for got, want in zip((lo[:count], hi[:count]), plain_union(expected, mine[2], -np.inf, np.inf), strict=True):
@@ -202,7 +202,7 @@ def test_a_taken_motion_replaces_the_hold_on_its_start() -> None:
     assert robots[kept].tolist() == [0, 0, 0, 1]
     assert (radii == 0.5).all()
     stamp = np.full(len(legs), -1, dtype=np.int64)
-    _, _, count = _kernels._place_conflicts(
+    _, _, count = _kernels.place_conflicts(
         1.0, 5.0, reservations.arrays, 2, np.array([0.5, 0.0, 0.0]), np.empty(4), np.empty(4), stamp, 0
     )
     assert count == 1

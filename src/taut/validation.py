@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from taut.errors import GoalBlocked, SceneError, StartBlocked
-from taut.scene import FloatArray, Obstacle, Robot, Scene
+from taut.scene import Circle, FloatArray, Obstacle, Robot, Scene
 
 IntArray = NDArray[np.int64]
 
@@ -43,7 +43,7 @@ def validate(scene: Scene) -> tuple[str, ...]:
     StartBlocked, GoalBlocked
         Names the robot, the obstacle, the place and the metres.
     SceneError
-        A ring that is none, two robots too close, two point robots without gap.
+        A ring that is none, two robots too close, two point robots without gap, a number beyond 1e±70.
     """
     with np.errstate(all="ignore"):  # shapely warns of tiny numbers in an otherwise common scene
         return _validated(scene, scene.tol)
@@ -82,6 +82,20 @@ def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
     _check_pairs(scene, starts, np.flatnonzero(present), "start", tol)
     _check_pairs(scene, goals, np.flatnonzero(stays), "goal", tol)
     return _notes(scene, ground, tol)
+
+
+def _check_numbers(scene: Scene) -> None:
+    """Refuse numbers with which the formulas would overflow or vanish; zero is none of them."""
+    numbers = [("the scene", what, getattr(scene, what)) for what in ("clearance", "gap", "headway")]
+    for robot in scene.robots:
+        who = f"robot {_name(robot)}"
+        numbers += [(who, what, getattr(robot, what)) for what in ("radius", "speed", "start_time", "clearance")]
+    numbers += [(f"obstacle {_name(o)}", "radius" if isinstance(o, Circle) else "width", o.own_radius)
+                for o in scene.obstacles]
+    for who, what, value in numbers:
+        if value and not 1 / _LARGEST < value < _LARGEST:
+            bounds = f"beyond {_LARGEST:g} and below {1 / _LARGEST:g}"
+            raise SceneError(f"{who}: {what} is {value:.3g}; {bounds} nothing can be computed, use other units")
 
 
 @dataclass(frozen=True)
@@ -123,7 +137,7 @@ def _check_rings(scene: Scene) -> None:
     corners = [_without_repeats(ring) for _, ring in rings]
     for (who, ring), kept in zip(rings, corners, strict=True):
         if len(kept) < 3:
-            raise SceneError(f"{who} has zero area: only {len(kept)} of its {len(ring)} corners are different")
+            raise SceneError(f"{who} has zero area: only {len(kept) or 1} of its {len(ring)} corners are different")
     lengths = [len(kept) for kept in corners]
     closed = shapely.linearrings(np.concatenate(corners), indices=np.repeat(np.arange(len(corners)), lengths))
     bad = np.flatnonzero(~shapely.is_valid(shapely.polygons(closed)))

@@ -5,17 +5,17 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, TextIO
 
 import typer
 
-from taut.cli import plan_commands, scene_commands
-from taut.cli.output import printable
+from taut.cli import INTERRUPTED, plan_commands, scene_commands
+from taut.cli.output import say_error
 from taut.errors import TautError
 
 INTERNAL_ERROR = 70
-INTERRUPTED = 130
 BROKEN_PIPE = 141
 
 app = typer.Typer(
@@ -58,31 +58,25 @@ def _global_options(
         raise typer.Exit(2)
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command line.
-
-    Parameters
-    ----------
-    argv : the words after ``taut``; None takes those of the process.
-
-    Returns
-    -------
-    The exit code: 0 done, 1 no plan exists, none was found or one does not hold, 2 bad input, 70 an error inside taut,
-    130 interrupted, 141 nobody reads the output any more.
-    """
+def run(argv: Sequence[str]) -> int:
+    """Run one command line and return its exit code, see `taut.cli.main`."""
     for stream in (sys.stdout, sys.stderr):
         # A Windows console of an old code page cannot print every name: print "?" rather than fail.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    words = list(sys.argv[1:] if argv is None else argv)
-    debug = "--debug" in words
-    words = [word for word in words if word != "--debug"]
+    debug = "--debug" in argv
     try:
-        code = _run(words, debug)
+        with warnings.catch_warnings():
+            # What libraries remark about odd numbers is not for the people who run the command.
+            warnings.simplefilter("default" if debug else "ignore")
+            code = _run([word for word in argv if word != "--debug"], debug)
         sys.stdout.flush()
     except BrokenPipeError:
-        _silence_stdout()
+        sys.stdout = _silenced(sys.stdout)
         return BROKEN_PIPE
+    except OSError as error:
+        code = _fail(f"cannot write to stdout: {error.strerror or error}", 2, debug)
+        sys.stdout = _silenced(sys.stdout)
     return code
 
 
@@ -94,27 +88,42 @@ def _run(words: list[str], debug: bool) -> int:
             command.invoke(context)
     except typer.Exit as end:
         return end.exit_code
-    except TautError as error:
-        return _fail(str(error), error.exit_code, debug)
-    except (KeyboardInterrupt, typer.Abort):
-        return _fail("interrupted", INTERRUPTED, debug)
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        return _fail(f"{place}{error.strerror or error}", 2, debug)
-    except MemoryError:
-        return _fail("out of memory", INTERNAL_ERROR, debug)
-    except Exception as error:
-        if hasattr(error, "format_message"):  # a wrong command line; typer does not export the class of all of them
-            return _fail(f"{error.format_message()} (see: {_help_words(error)})", 2, debug)
-        what = f"{type(error).__name__}: {error}"
-        hint = "" if debug else "; --debug shows where"
-        return _fail(f"internal error, please report it{hint}: {what}", INTERNAL_ERROR, debug)
+    except (Exception, KeyboardInterrupt) as error:
+        return _explained(error, debug)
     return 0
 
 
-def _help_words(error: Exception) -> str:
+def _explained(error: BaseException, debug: bool) -> int:
+    """Say in one line why a command ended, and return its exit code."""
+    if isinstance(error, typer.Abort) or _was_interrupted(error):
+        return _fail("interrupted", INTERRUPTED, debug)
+    if isinstance(error, TautError):
+        return _fail(str(error), error.exit_code, debug)
+    if isinstance(error, OSError):
+        if error.filename is None:
+            sys.stdout.flush()  # fails again, for the caller to tell, if it was stdout that could not be written
+        place = f"{error.filename}: " if error.filename else ""
+        return _fail(f"{place}{error.strerror or error}", 2, debug)
+    if isinstance(error, MemoryError):
+        return _fail("out of memory", INTERNAL_ERROR, debug)
+    if hasattr(error, "format_message"):  # a wrong command line; typer does not export the class of all of them
+        return _fail(f"{error.format_message()} (see: {_help_words(error)})", 2, debug)
+    what = f"{type(error).__name__}: {error}"
+    hint = "" if debug else "; --debug shows where"
+    return _fail(f"internal error, please report it{hint}: {what}", INTERNAL_ERROR, debug)
+
+
+def _was_interrupted(error: BaseException) -> bool:
+    """Whether Ctrl-C began it: compiled code and failing clean-up put other errors on top of the interrupt."""
+    known: BaseException | None = error
+    for _ in range(20):
+        if known is None or isinstance(known, KeyboardInterrupt):
+            break
+        known = known.__cause__ or known.__context__
+    return isinstance(known, KeyboardInterrupt)
+
+
+def _help_words(error: BaseException) -> str:
     context = getattr(error, "ctx", None)
     return f"{context.command_path} --help" if context is not None else "taut --help"
 
@@ -122,13 +131,17 @@ def _help_words(error: Exception) -> str:
 def _fail(message: str, code: int, debug: bool) -> int:
     if debug:
         traceback.print_exc()
-    print(f"taut: error: {printable(message)}", file=sys.stderr)
+    try:
+        say_error(message)
+    except OSError:
+        sys.stderr = _silenced(sys.stderr)
     return code
 
 
-def _silence_stdout() -> None:
-    # Python flushes stdout once more at exit and would complain about the closed pipe there.
+def _silenced(stream: TextIO) -> TextIO:
+    """Return a stream that takes anything; Python flushes the old one once more at exit and must not fail there."""
     try:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
     except (OSError, ValueError):
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115  # lives until the process ends
+        return open(os.devnull, "w", encoding="utf-8")  # lives until the process ends
+    return stream

@@ -13,12 +13,8 @@ from pathlib import Path
 from typing import NoReturn
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
-from taut.errors import OutputError
+from taut.errors import NoPath, NoPlanFound, OutputError, SceneError, one_line
 
 
 def printable(text: str) -> str:
@@ -31,29 +27,17 @@ def say(line: str = "") -> None:
     print(printable(line))
 
 
+def say_error(message: str) -> None:
+    """Print on stderr, in one line, what went wrong."""
+    print(f"taut: error: {printable(message)}", file=sys.stderr)
+
+
 def say_facts(facts: Iterable[tuple[str, str]]) -> None:
     """Print pairs of a name and a value in two columns."""
     pairs = list(facts)
     width = max((len(name) for name, _ in pairs), default=0)
     for name, value in pairs:
         say(f"{name:<{width}}  {value}")
-
-
-def say_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[str]) -> None:
-    """Print a table on stdout; the columns named in `left` are set flush left and may wrap, the others flush right."""
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    for head in heads:
-        on_left = head in left
-        table.add_column(head, justify="left" if on_left else "right", no_wrap=not on_left)
-    for row in rows:
-        table.add_row(*(Text(printable(cell)) for cell in row))
-    # Outside a terminal nothing may be cut or wrapped: the next program wants whole lines.
-    width = None if sys.stdout.isatty() else 10_000
-    console = Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
-    with console.capture() as captured:
-        console.print(table)
-    for line in captured.get().splitlines():
-        print(line.rstrip())
 
 
 def say_json(value: Mapping[str, object]) -> None:
@@ -83,6 +67,7 @@ def progress(what: str) -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda _: None
         return
+    from rich.console import Console
     from rich.markup import escape
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -94,8 +79,22 @@ def progress(what: str) -> Iterator[Callable[[str], None]]:
 
 def complain(message: str) -> NoReturn:
     """End the command with exit code 1 after its results were printed, and say on stderr why."""
-    print(f"taut: error: {printable(message)}", file=sys.stderr)
+    say_error(message)
     raise typer.Exit(1)
+
+
+@contextmanager
+def about(source: str) -> Iterator[None]:
+    """Name the scene's file, or the ready scene, in errors about the scene that do not say where it came from."""
+    try:
+        yield
+    except SceneError as error:
+        if error.file is not None:
+            raise
+        raise error.at(source) from error
+    except (NoPath, NoPlanFound) as error:
+        error.args = (one_line(f"{source}: {error}"),)
+        raise
 
 
 def require_writable(path: Path | None, what: str, endings: Sequence[str], never: Path | None = None) -> None:

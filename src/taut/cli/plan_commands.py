@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import re
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from taut.cli.options import AnimateOption, FigureOption, GraphOption, JsonOption, Method, Order, SceneArgument
-from taut.cli.output import complain, progress, require_writable, say, say_facts, say_json
+from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
 from taut.cli.pictures import require_pictures, write_pictures
 from taut.cli.reports import certificate_facts, plan_report, say_plan, say_problems, say_scene, scene_report
 from taut.errors import OutputError, SceneError
@@ -29,7 +30,7 @@ def plan(
     method: Annotated[Method, typer.Option(help="How the team is planned.")] = Method.prioritized,
     order: Annotated[Order, typer.Option(help="Which robots are planned first.")] = Order.shortest,
     seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop trying after S seconds.")] = None,
-    rounds: Annotated[int | None, typer.Option(min=1, metavar="N", help="Stop trying after N rounds.")] = None,
+    rounds: Annotated[int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     figure: FigureOption = None,
     animate: AnimateOption = None,
@@ -48,7 +49,7 @@ def plan(
 
     began = time.perf_counter()
     world = load_scene(scene)
-    with progress(f"planning {len(world.robots)} robots") as tell:
+    with about(scene), progress(f"planning {len(world.robots)} robots") as tell:
 
         def passed(number: int, failed: int) -> None:
             tell(f"round {number}, {failed} robots failed")
@@ -93,10 +94,17 @@ def verify(
     """Prove a plan from the plan file alone; exit code 0 only if it holds."""
     from taut.certificate import certify
     from taut.formats import load_plan, load_scene
+    from taut.validation import validate
 
     claimed = load_plan(plan)
     world = None if scene is None else load_scene(scene)
     with progress("proving"):
+        # A proof is about a scene that means something: in one without room for its robots nothing can hold.
+        with about(plan):
+            validate(claimed.scene)
+        if scene is not None and world is not None:
+            with about(scene):
+                validate(world)
         certificate = certify(claimed, world)
     if as_json:
         say_json({"plan": plan, **certificate.as_dict()})
@@ -122,13 +130,15 @@ def show(
 
     from taut.certificate import certify
     from taut.motion import Plan
+    from taut.validation import validate
 
     value = _load(source)
     if not isinstance(value, Plan):
         if animate is not None:
             raise OutputError(f"{animate}: a scene does not move; make a plan first: taut plan {source} -o plan.json")
         report = scene_report(value)
-        report["files"] = write_pictures(value, figure, None, with_graph)
+        with about(source):
+            report["files"] = write_pictures(value, figure, None, with_graph)
         if as_json:
             say_json(report)
             return
@@ -136,9 +146,12 @@ def show(
         for name in report["files"]:
             say(f"wrote {name}")
         return
+    with about(source):
+        validate(value.scene)
     certificate = certify(value)
     report = plan_report(value, certificate)
-    report["files"] = write_pictures(value, figure, animate, with_graph)
+    # Pictures say whether a plan is certified: by this proof, not by the one that the file claims.
+    report["files"] = write_pictures(replace(value, certificate=certificate.as_dict()), figure, animate, with_graph)
     if as_json:
         say_json(report)
     else:

@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from taut.cli.output import say, say_facts, say_table
+from taut.cli.output import say, say_facts
+from taut.cli.tables import say_table
 
 if TYPE_CHECKING:
     from taut.certificate import Certificate

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from taut.cli.options import JsonOption, SceneArgument
-from taut.cli.output import complain, progress, require_writable, say, say_facts, say_json, say_table
+from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
 from taut.cli.reports import say_scene, scene_report
+from taut.cli.tables import say_table
 from taut.errors import NoPath
 
 if TYPE_CHECKING:
@@ -25,8 +26,8 @@ def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
     from taut.validation import validate
 
     world = load_scene(scene)
-    notes = validate(world)
-    with progress("looking for paths"):
+    with about(scene), progress("looking for paths"):
+        notes = validate(world)
         robots = _reach(world)
     cut_off = [robot for robot in robots if robot["shortest"] is None]
     if as_json:
@@ -42,7 +43,8 @@ def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
             keep = 3 if cut_off else 2
             say_table(heads[:keep], [row[:keep] for row in rows], left=("robot", "why not"))
     if cut_off:
-        complain(f"{len(cut_off)} of {len(robots)} robots cannot reach their goals, the first is {cut_off[0]['name']}")
+        first = cut_off[0]["name"]
+        complain(f"{scene}: {len(cut_off)} of {len(robots)} robots cannot reach their goals, the first is {first}")
 
 
 def graph(scene: SceneArgument, as_json: JsonOption = False) -> None:
@@ -53,9 +55,9 @@ def graph(scene: SceneArgument, as_json: JsonOption = False) -> None:
     from taut.validation import validate
 
     world = load_scene(scene)
-    validate(world)
     sizes: list[dict[str, Any]] = []
-    with progress("building the visibility graph"):
+    with about(scene), progress("building the visibility graph"):
+        validate(world)
         for growth in sorted({world.growth(robot) for robot in world.robots}) or [world.clearance]:
             free = FreeSpace(world, growth)
             team = [robot for robot in world.robots if world.growth(robot) == growth]

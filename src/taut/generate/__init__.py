@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,12 +15,16 @@ from taut.generate.ends import free_part, place_ends
 from taut.generate.hall import DISCS, Hall, roomy, square
 from taut.generate.obstacles import DRAW, Form, draw_forms, place_obstacles
 from taut.scene import AtGoal, FloatArray, Obstacle, Robot, Scene
+from taut.validation import validate
 
 __all__ = ["random_scene"]
 
 Range: TypeAlias = float | tuple[float, float]
 
 _MOST = 1_000_000  # robots or obstacles
+_SIZES = (1e-6, 1e7)  # metres: beside smaller halls the margins, beside larger ones the robots are lost in rounding
+_SPARSEST = 1e-6
+_NUMBERS = (1e-9, 1e7)  # every other length, speed and time that is not zero
 _LARGER = 6  # halls of chosen size that are tried, each 15 % wider
 
 
@@ -50,13 +55,13 @@ def random_scene(
     ----------
     robots, obstacles : how many, ≥ 0.
     seed : ≥ 0; the same arguments give the same scene.
-    size : side of the square hall or (width, height), metres; None chooses a hall in which the robots' discs take at
-        most 5 % of the free area, at least 10 m wide.
-    density : share of the hall that obstacles cover, in (0, 1); it scales ``obstacle_size``.
+    size : side of the square hall or (width, height), 1e-6 to 1e7 metres; None chooses a hall in which the robots'
+        discs take at most 5 % of the free area, at least 10 m wide.
+    density : share of the hall that obstacles cover, from 1e-6 to below 1; it scales ``obstacle_size``.
     obstacle_size : diameter of the obstacles, metres, or range of it.
     radius : of the robots, metres, or range of it.
     speed : of the robots, metres a second, or range of it.
-    clearance, gap, headway, at_goal : fields of the scene.
+    clearance, gap, headway, at_goal : fields of the scene. Like all other numbers they are 0 or from 1e-9 to 1e7.
     shapes : drawn with equal chances from "polygon" (convex), "rectangle", "circle", "line" (zigzag wall) and
         "nonconvex" (L, U and stars).
     well_formed : every robot also has a path past the starts and goals of all others.
@@ -81,6 +86,8 @@ def random_scene(
     radii_range, speeds_range = _range(radius, "radius"), _range(speed, "speed", positive=True)
     sizes_range = _range(obstacle_size, "obstacle_size", positive=True)
     share = _density(density, m)
+    for value, what in ((clearance, "clearance"), (gap, "gap"), (headway, "headway")):
+        _range(value, what)
     given = Scene(
         (0, 0, 1, 1),
         name=f"random-{n}-{m}-{seed}" if name is None else name,
@@ -105,6 +112,8 @@ def random_scene(
         )
         diameters = np.array([form.diameter for form in forms], dtype=np.float64)
         side = roomy(diameters, solids, share, 2.04 * growth, max(needed, (12 * growth) ** 2))
+        if not side <= _SIZES[1]:
+            raise SceneError(f"robots and obstacles need a hall of {side:.3g} m, wider than {_SIZES[1]:g} m")
         halls = [square(side * 1.15**k) for k in range(_LARGER)]
     else:
         halls = [_given_hall(size)]
@@ -120,16 +129,12 @@ def random_scene(
         Robot(f"R{k + 1}", ends[k].tolist(), ends[n + k].tolist(), radius=float(radii[k]), speed=float(speeds[k]))
         for k in range(n)
     ]
-    return Scene(
-        (0, 0, hall.width, hall.height),
-        placed,
-        team,
-        name=given.name,
-        clearance=given.clearance,
-        gap=given.gap,
-        headway=given.headway,
-        at_goal=given.at_goal,
-    )
+    scene = replace(given, workspace=(0, 0, hall.width, hall.height), obstacles=placed, robots=team)
+    try:
+        validate(scene)
+    except SceneError as error:  # what is a billion times smaller than the hall is lost in rounding
+        raise SceneError(f"sizes are too far apart for one hall: {error.message}") from error
+    return scene
 
 
 def _furnished(
@@ -193,7 +198,15 @@ def _range(value: Any, what: str, positive: bool = False) -> tuple[float, float]
     low, high = (_finite(end, what) for end in ends)
     if low > high or low < 0 or (positive and low == 0):
         raise SceneError(f"{what} must be {'above 0' if positive else '0 or more'}, lowest first, got {value!r}")
+    for end in (low, high):
+        if end:
+            _within(end, _NUMBERS, what, "")
     return low, high
+
+
+def _within(value: float, span: tuple[float, float], what: str, unit: str) -> None:
+    if not span[0] <= value <= span[1]:
+        raise SceneError(f"{what} must be between {span[0]:g} and {span[1]:g}{unit}, got {value:g}")
 
 
 def _density(value: float | None, obstacles: int) -> float | None:
@@ -202,6 +215,8 @@ def _density(value: float | None, obstacles: int) -> float | None:
     number = _finite(value, "density")
     if not 0 < number < 1:
         raise SceneError(f"density must be between 0 and 1, got {number:g}")
+    if number < _SPARSEST:
+        raise SceneError(f"density must be at least {_SPARSEST:g}, got {number:g}")
     if obstacles == 0:
         raise SceneError("density needs at least one obstacle")
     return number
@@ -224,4 +239,6 @@ def _given_hall(size: Any) -> Hall:
     width, height = (_finite(side, "size") for side in sides)
     if width <= 0 or height <= 0:
         raise SceneError(f"size must be above 0 m, got {width:g} × {height:g}")
+    for side in (width, height):
+        _within(side, _SIZES, "size", " m")
     return Hall(width, height)

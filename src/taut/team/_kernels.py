@@ -438,7 +438,7 @@ def _merge(lo: Floats, hi: Floats, count: int) -> int:
 
 
 @kernel
-def _place_conflicts(
+def place_conflicts(
     x: float, y: float, reserved: Reserved, who: int, body: Floats, lo: Floats, hi: Floats, stamp: Ints, mark: int
 ) -> tuple[Floats, Floats, int]:
     """Forbidden times of a place: merged open intervals.
@@ -753,7 +753,7 @@ def safe_interval_search(
                 size += 1
                 continue
             if of_vertex[v] < 0:
-                lo, hi, count = _place_conflicts(
+                lo, hi, count = place_conflicts(
                     positions[v, 0], positions[v, 1], reserved, who, body, lo, hi, stamp, mark
                 )
                 mark += 1

@@ -31,8 +31,9 @@ class Reservations:
         radii = sorted(r.radius for r in scene.robots)[-2:]
         self._scene = scene
         self._reach = sum(radii) + scene.gap + scene.tol
-        # at most about 250 × 250 cells, however small the robots are
-        cell = max(cell, self._reach, float((high - low).max()) / 250.0)
+        # at most about 250 × 250 cells, however small the robots are, and no larger than the workspace
+        extent = float((high - low).max())
+        cell = max(min(cell, extent), self._reach, extent / 250.0)
         columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
         self._frame: Floats = np.array([low[0], low[1], cell, horizon / _SPANS])
         self._shape: Ints = np.array([columns, rows, _SPANS], dtype=np.int64)
