@@ -70,7 +70,8 @@ class Trajectory:
     @property
     def length(self) -> float:
         """Metres travelled."""
-        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+        with np.errstate(over="ignore"):  # a plan file may hold any doubles; its length is then infinite
+            return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
 
     @property
     def arrival(self) -> float:

@@ -90,8 +90,9 @@ def _check_numbers(scene: Scene) -> None:
     for robot in scene.robots:
         who = f"robot {_name(robot)}"
         numbers += [(who, what, getattr(robot, what)) for what in ("radius", "speed", "start_time", "clearance")]
-    numbers += [(f"obstacle {_name(o)}", "radius" if isinstance(o, Circle) else "width", o.own_radius)
-                for o in scene.obstacles]
+    numbers += [
+        (f"obstacle {_name(o)}", "radius" if isinstance(o, Circle) else "width", o.own_radius) for o in scene.obstacles
+    ]
     for who, what, value in numbers:
         if value and not 1 / _LARGEST < value < _LARGEST:
             bounds = f"beyond {_LARGEST:g} and below {1 / _LARGEST:g}"

@@ -6,14 +6,15 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Sequence
-from typing import Annotated, TextIO
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+from typing import Annotated, Any, TextIO, cast
 
 import typer
 
 from taut.cli import INTERRUPTED, plan_commands, scene_commands
 from taut.cli.output import say_error
-from taut.errors import TautError
+from taut.errors import OutputError, TautError
 
 INTERNAL_ERROR = 70
 BROKEN_PIPE = 141
@@ -65,19 +66,52 @@ def run(argv: Sequence[str]) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     debug = "--debug" in argv
+    stdout = sys.stdout
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), redirect_stdout(cast("TextIO", _Stdout(stdout))):
             # What libraries remark about odd numbers is not for the people who run the command.
             warnings.simplefilter("default" if debug else "ignore")
             code = _run([word for word in argv if word != "--debug"], debug)
-        sys.stdout.flush()
+            sys.stdout.flush()
     except BrokenPipeError:
-        sys.stdout = _silenced(sys.stdout)
+        sys.stdout = _silenced(stdout)
         return BROKEN_PIPE
-    except OSError as error:
-        code = _fail(f"cannot write to stdout: {error.strerror or error}", 2, debug)
-        sys.stdout = _silenced(sys.stdout)
+    except _StdoutFull as error:
+        code = _fail(str(error), error.exit_code, debug)
+        sys.stdout = _silenced(stdout)
     return code
+
+
+class _StdoutFull(OutputError):
+    """What was to be printed could not be."""
+
+
+class _Stdout:
+    """Stdout whose errors say that it was stdout; a pipe that nobody reads stays a `BrokenPipeError`."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        with _naming_stdout():
+            return self._stream.write(text)
+
+    def flush(self) -> None:
+        with _naming_stdout():
+            self._stream.flush()
+
+
+@contextmanager
+def _naming_stdout() -> Iterator[None]:
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise _StdoutFull(f"cannot write to stdout: {error.strerror or error}") from error
 
 
 def _run(words: list[str], debug: bool) -> int:
@@ -88,6 +122,8 @@ def _run(words: list[str], debug: bool) -> int:
             command.invoke(context)
     except typer.Exit as end:
         return end.exit_code
+    except (BrokenPipeError, _StdoutFull):
+        raise
     except (Exception, KeyboardInterrupt) as error:
         return _explained(error, debug)
     return 0
@@ -100,8 +136,6 @@ def _explained(error: BaseException, debug: bool) -> int:
     if isinstance(error, TautError):
         return _fail(str(error), error.exit_code, debug)
     if isinstance(error, OSError):
-        if error.filename is None:
-            sys.stdout.flush()  # fails again, for the caller to tell, if it was stdout that could not be written
         place = f"{error.filename}: " if error.filename else ""
         return _fail(f"{place}{error.strerror or error}", 2, debug)
     if isinstance(error, MemoryError):

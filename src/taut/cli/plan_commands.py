@@ -30,7 +30,9 @@ def plan(
     method: Annotated[Method, typer.Option(help="How the team is planned.")] = Method.prioritized,
     order: Annotated[Order, typer.Option(help="Which robots are planned first.")] = Order.shortest,
     seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop trying after S seconds.")] = None,
-    rounds: Annotated[int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")] = None,
+    rounds: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     figure: FigureOption = None,
     animate: AnimateOption = None,

@@ -23,7 +23,7 @@ from taut.figures.labels import text_size
 from taut.figures.maps import draw_map, name_obstacles, scene_view
 from taut.figures.movies import Frame, Palette, find_encoder, write_gif, write_mp4
 from taut.figures.pictures import end_legend
-from taut.figures.plans import draw_paths, pale, route_of
+from taut.figures.plans import draw_paths, in_seconds, pale, route_of, within_reach
 from taut.figures.saving import any_letters, check_kind
 from taut.figures.style import INK, QUIET, darker, mix, robot_colours
 from taut.figures.teams import discs, draw_ends, mark_radius, visible_radii
@@ -75,8 +75,10 @@ def animate(
     if not (0 < fps <= 100 and width >= 160 and (seconds is None or 0 < seconds <= 3600)):
         raise OutputError("an animation needs fps in (0, 100], seconds in (0, 3600] and width ≥ 160 pixels")
     encoder = find_encoder(target) if kind == "mp4" else ""
+    view = scene_view(plan.scene)
+    plan = within_reach(plan, view)
     film = _film(plan, fps, seconds)
-    axes = sheet(scene_view(plan.scene), width / DPI, 1.15 * width / DPI)
+    axes = sheet(view, width / DPI, 1.15 * width / DPI)
     with any_letters(), replacing(target) as scratch:
         render = _stage(axes, plan, film)
         count = len(film.times)
@@ -208,7 +210,7 @@ def _cast(axes: Axes, plan: Plan, film: _Film) -> tuple[Callable[[int], None], l
         for (text, _, aside), place, alpha in zip(names, here, there, strict=False):
             text.set_position((place[0] + aside, place[1] + aside))
             text.set_alpha(float(alpha))
-        clock.set_text(f"t = {min(film.times[k], plan.makespan):.1f} s{pace}")
+        clock.set_text(f"t = {in_seconds(min(film.times[k], plan.makespan))}{pace}")
 
     moving: list[Artist] = [trail, bodies, noses, *(text for text, _, _ in names), clock]
     for artist in moving:

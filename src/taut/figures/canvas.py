@@ -10,12 +10,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, StrMethodFormatter
 
+from taut.errors import OutputError
 from taut.figures.style import OUTSIDE, QUIET
 from taut.scene import FloatArray
 
 MARGIN = 0.025  # of the larger side of what is shown
 RIGHT, BOTTOM, TOP = 0.18, 0.5, 0.36  # inches round the map; on the left as the numbers need
 SMALLEST = 2.6  # inches: a corridor still gets a map this wide and 0.4 of it high
+FARTHEST = 1e70  # metres
+SHARPEST = 1e-11  # width of a picture as a share of its coordinates: below that, doubles have no room for ticks
 
 
 @dataclass(frozen=True)
@@ -39,11 +42,22 @@ class View:
 
 
 def view_of(points: FloatArray) -> View:
-    """Return the view that shows all points (n, 2) with a small margin."""
+    """Return the view that shows all points (n, 2) with a small margin.
+
+    Raises
+    ------
+    OutputError
+        They reach so far, or lie so close together so far out, that no picture can show them.
+    """
     if len(points) == 0:
         return View(0.0, 0.0, 1.0, 1.0)
     low, high = points.min(axis=0), points.max(axis=0)
+    largest = float(np.abs(points).max())
+    if not largest < FARTHEST:
+        raise OutputError(f"cannot be drawn: coordinates reach {largest:.3g} m")
     size = float((high - low).max())
+    if 0 < size < max(SHARPEST * largest, 1 / FARTHEST):
+        raise OutputError(f"cannot be drawn: {size:.3g} m across at coordinates of {largest:.3g} m")
     pad = size * MARGIN if size > 0 else max(1.0, float(np.abs(low).max()) * 1e-3)
     return View(*(float(v) for v in (*(low - pad), *(high + pad))))
 

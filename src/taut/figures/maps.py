@@ -11,16 +11,28 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.path import Path
 
-from taut.figures.canvas import View, points_per_metre, to_points, view_of
+from taut.errors import OutputError
+from taut.figures.canvas import FARTHEST, View, points_per_metre, size_in_points, to_points, view_of
 from taut.figures.labels import text_size
 from taut.figures.style import GRAPH, GROWN, OBSTACLE, OBSTACLE_EDGE, WALL, WORKSPACE
 from taut.scene import Circle, FloatArray, Line, Obstacle, Scene
 
+OVERFLOW = 1e4  # widths of the axes
 FEW_OBSTACLES = 25  # up to this many are named
 
 
 def scene_view(scene: Scene) -> View:
-    """Return the view that shows the workspace and every start and goal."""
+    """Return the view that shows the workspace and every start and goal.
+
+    Raises
+    ------
+    OutputError
+        Numbers in the scene with which no picture can be made.
+    """
+    sizes = [robot.radius for robot in scene.robots] + [obstacle.own_radius for obstacle in scene.obstacles]
+    largest = max([*sizes, *(float(np.abs(obstacle.core).max()) for obstacle in scene.obstacles)], default=0.0)
+    if not largest < FARTHEST:
+        raise OutputError(f"cannot be drawn: a length or coordinate of {largest:.3g} m")
     ends = [place for robot in scene.robots for place in (robot.start, robot.goal)]
     return view_of(np.array([*scene.workspace, *ends], dtype=np.float64))
 
@@ -71,6 +83,17 @@ def draw_free_space(axes: Axes, region: Any, scene: Scene | None) -> None:
         _fill(axes, [obstacle_path(o) for o in scene.obstacles], OBSTACLE, OBSTACLE_EDGE, 0.8, zorder=2)
 
 
+def _near(axes: Axes, path: Path) -> Path:
+    """Return the path with corners that would overflow the pixels drawn in towards the axes."""
+    (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
+    reach = OVERFLOW * max(abs(x1 - x0), abs(y1 - y0))
+    low, high = (min(x0, x1) - reach, min(y0, y1) - reach), (max(x0, x1) + reach, max(y0, y1) + reach)
+    corners = np.asarray(path.vertices, dtype=np.float64)
+    if ((low <= corners) & (corners <= high)).all():
+        return path
+    return Path(np.clip(corners, low, high), path.codes)
+
+
 def outlines(scene: Scene) -> list[FloatArray]:
     """Return the closed outlines of workspace and obstacles, each (k, 2)."""
     paths = [_ring(np.array(scene.workspace)), *(obstacle_path(o) for o in scene.obstacles)]
@@ -89,7 +112,9 @@ def obstacle_path(obstacle: Obstacle) -> Path:
 
 
 def _fill(axes: Axes, paths: Iterable[Path], face: str, edge: str, width: float, zorder: float) -> None:
-    collection = PathCollection(list(paths), facecolors=face, edgecolors=edge, linewidths=width, zorder=zorder)
+    collection = PathCollection(
+        [_near(axes, path) for path in paths], facecolors=face, edgecolors=edge, linewidths=width, zorder=zorder
+    )
     collection.set_joinstyle("round")
     axes.add_collection(collection, autolim=False)
 
@@ -106,8 +131,12 @@ def polygon_path(polygon: Any) -> Path:
 
 def _room_inside(axes: Axes, obstacle: Obstacle, width: float, height: float) -> tuple[float, float] | None:
     """Return where text of that size (points) fits inside the obstacle, or None."""
-    corners = to_points(axes, np.asarray(obstacle_path(obstacle).to_polygons()[0], dtype=np.float64))
-    body = shapely.make_valid(shapely.Polygon(corners))
+    rings = _near(axes, obstacle_path(obstacle)).to_polygons()
+    if not rings:
+        return None
+    corners = to_points(axes, np.asarray(rings[0], dtype=np.float64))
+    seen = shapely.box(0, 0, *size_in_points(axes))
+    body = shapely.intersection(shapely.make_valid(shapely.Polygon(corners)), seen)
     if body.is_empty:
         return None
     centre = body.centroid

@@ -20,9 +20,11 @@ from taut.figures.plans import (
     draw_sweeps,
     draw_waits,
     first_wait,
+    in_seconds,
     pale,
     route_of,
     samples,
+    within_reach,
 )
 from taut.figures.style import GOAL, GRAPH, INK, QUIET, START, robot_colours
 from taut.figures.teams import (
@@ -37,6 +39,7 @@ from taut.figures.teams import (
 from taut.motion import Plan
 from taut.scene import FloatArray, Scene
 
+STRAYING = 20.0  # maps: up to this far off the map, faulty plans are shown whole
 SOME_ROBOTS = 60  # up to this many are joined to their goals in the picture of a scene
 
 
@@ -59,6 +62,8 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
     ------
     TypeError
         A value of another kind, or `time` with anything but a plan.
+    OutputError
+        Coordinates with which no picture can be made.
     """
     value = getattr(value, "plan", value)
     if time is not None and not isinstance(value, Plan):
@@ -69,7 +74,7 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
     else:
         show(ax, view)
     if isinstance(value, Plan):
-        _draw_plan(ax, value, graph, time)
+        _draw_plan(ax, within_reach(value, view), graph, time)
     elif isinstance(value, Scene):
         _draw_scene(ax, value, graph)
     else:
@@ -80,11 +85,14 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
 def _view(value: Any) -> View:
     if isinstance(value, Plan):
         box = scene_view(value.scene)
-        points = [t.points for t in value.trajectories]
-        inside = all(
-            (p >= (box.x0, box.y0)).all() and (p <= (box.x1, box.y1)).all() for p in points
-        )  # a faulty plan is shown whole
-        return box if inside else view_of(np.vstack([*points, np.array(value.scene.workspace)]))
+        points = np.vstack([np.empty((0, 2)), *(t.points for t in value.trajectories)])
+        low, high = (box.x0, box.y0), (box.x1, box.y1)
+        if ((low <= points) & (points <= high)).all():
+            return box
+        # a faulty plan is shown whole, unless there would be nothing of the map to see
+        far = STRAYING * max(box.width, box.height)
+        near = np.clip(points, np.subtract(low, far), np.add(high, far))
+        return view_of(np.vstack([near, np.array(value.scene.workspace)])) if (near == points).all() else box
     if isinstance(value, Scene):
         return scene_view(value)
     scene = getattr(value, "scene", None)
@@ -138,13 +146,13 @@ def _draw_plan(axes: Axes, plan: Plan, graph: Any, time: float | None) -> None:
         draw_team(axes, scene.robots, present_at(plan, time), colours)
     facts = [
         _count(n, "robot"),
-        f"last arrival {_seconds(plan.makespan)}",
-        f"sum of costs {_seconds(plan.sum_of_costs)}",
+        f"last arrival {in_seconds(plan.makespan)}",
+        f"sum of costs {in_seconds(plan.sum_of_costs)}",
     ]
     if plan.certificate is not None and plan.certificate.get("ok") is True:
         facts.append("certified")
     if time is not None:
-        facts = [f"t = {time:.1f} s", *facts]
+        facts = [f"t = {in_seconds(time)}", *facts]
     _title(axes, scene.name, " · ".join(facts), " · ".join(facts[:2]))
     on_the_way = any(t0 > 0 for t in plan.trajectories for t0, *_ in t.waits)
     clock = [_handle("wait", CLOCK, "white", INK)] if on_the_way else []
@@ -188,15 +196,11 @@ def present_at(plan: Plan, time: float) -> FloatArray:
 
 
 def _name(name: str, wait: float) -> str:
-    return f"{name}, waits {wait:.1f} s" if wait else name
+    return f"{name}, waits {in_seconds(wait)}" if wait else name
 
 
 def _count(n: int, one: str, many: str = "") -> str:
     return f"{n:,} {one if n == 1 else many or one + 's'}".replace(",", "\u202f")
-
-
-def _seconds(amount: float) -> str:
-    return f"{amount:.1f} s" if amount < 10000 else f"{amount:,.0f} s".replace(",", "\u202f")
 
 
 def _title(axes: Axes, name: str, facts: str, fewer: str = "") -> None:

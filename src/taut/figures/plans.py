@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -13,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection, PolyCollection
 from matplotlib.path import Path
 
-from taut.figures.canvas import points_per_metre
+from taut.figures.canvas import View, points_per_metre
 from taut.figures.labels import Label
 from taut.figures.maps import polygon_path
 from taut.figures.style import Colour, darker, mix
@@ -21,6 +22,7 @@ from taut.figures.teams import mark_radius, reach
 from taut.motion import Plan, Trajectory
 from taut.scene import FloatArray, Point
 
+FARTHEST = 1000.0  # views: lines to places farther out would overflow the pixels
 DASH = 7.0  # points: stretch of one robot on a leg that several robots use
 BRIEF = 0.05  # seconds: shorter waits are not marked
 FEW_WAITS = 24  # up to this many are told in seconds
@@ -39,6 +41,17 @@ def route_of(trajectory: Trajectory) -> FloatArray:
     """Return the path without the rests, (k ≥ 1, 2)."""
     points = trajectory.points
     return np.asarray(points[np.concatenate([[True], (np.diff(points, axis=0) != 0).any(axis=1)])], dtype=np.float64)
+
+
+def within_reach(plan: Plan, view: View) -> Plan:
+    """Return the plan with all places that lie absurdly far outside the view drawn in towards it."""
+    centre = np.array([view.x0 + view.width / 2, view.y0 + view.height / 2])
+    reach = FARTHEST * max(view.width, view.height)
+    low, high = centre - reach, centre + reach
+    if all(((low <= t.points) & (t.points <= high)).all() for t in plan.trajectories):
+        return plan
+    near = [Trajectory(t.name, np.column_stack([t.times, np.clip(t.points, low, high)])) for t in plan.trajectories]
+    return replace(plan, trajectories=tuple(near))
 
 
 def draw_sweeps(axes: Axes, plan: Plan, colours: Sequence[Colour]) -> None:
@@ -164,7 +177,7 @@ def draw_waits(axes: Axes, plan: Plan, colours: Sequence[Colour]) -> list[Label]
     names = [robot.name for robot in plan.scene.robots]
     return [
         Label(
-            "\n".join((f"{names[k]} " if len(stays) > 1 else "") + f"{wait:.1f} s" for k, wait in stays),
+            "\n".join((f"{names[k]} " if len(stays) > 1 else "") + in_seconds(wait) for k, wait in stays),
             place,
             ring,
             darker(colours[stays[0][0]]),
@@ -173,6 +186,17 @@ def draw_waits(axes: Axes, plan: Plan, colours: Sequence[Colour]) -> list[Label]
         )
         for place, stays in found.items()
     ]
+
+
+def in_seconds(amount: float) -> str:
+    """Return a time in words, short also if it is absurd.
+
+    >>> in_seconds(12.34), in_seconds(1e300)
+    ('12.3 s', '1e+300 s')
+    """
+    if amount < 10000:
+        return f"{amount:.1f} s"
+    return f"{amount:,.0f} s".replace(",", "\u202f") if amount < 1e9 else f"{amount:.3g} s"
 
 
 def first_wait(trajectory: Trajectory) -> float:

@@ -13,6 +13,7 @@ from taut.figures.labels import Label
 from taut.figures.style import GOAL, INK, START, Colour, darker, mix
 from taut.scene import FloatArray, Point, Robot, Scene
 
+LARGEST = 100.0  # widths of the axes
 FEW_ROBOTS = 25  # up to this many are named
 
 
@@ -28,6 +29,8 @@ def reach(axes: Axes, robot: Robot, n: int) -> float:
 
 def discs(axes: Axes, centres: FloatArray, radii: FloatArray, zorder: float) -> EllipseCollection:
     """Add true discs in metres, centres (n, 2), radii (n,); colours are for the caller to set."""
+    # a disc much larger than the map would take its renderer for ever
+    radii = np.minimum(radii, LARGEST * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())))
     collection = EllipseCollection(
         2 * radii,
         2 * radii,

@@ -16,6 +16,8 @@ Place: TypeAlias = tuple[str | int, ...]
 Mark: TypeAlias = "int | _Marks"
 
 MAX_DEPTH = 64
+MAX_KEYS = 100_000  # of one mapping: no scene or plan has nearly as many, and each wrong one costs a report
+CROWDED = f"a mapping of more than {MAX_KEYS} keys: this is not a scene or plan"
 _CONTROL = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f]")
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
@@ -67,8 +69,11 @@ class DocumentBuilder:
 
     def key(self, text: str, line: int) -> None:
         """Take the key of the next value."""
-        if text in self._stack[-1][0]:
-            raise SceneError(f"key {shown(text)} is given twice; keep one", self._file, line)
+        mapping = self._stack[-1][0]
+        if text in mapping:
+            raise SceneError(doubled(text), self._file, line)
+        if len(mapping) >= MAX_KEYS:
+            raise SceneError(CROWDED, self._file, line)
         self._key, self._key_line = text, line
 
     def scalar(self, value: object, line: int) -> None:
@@ -148,6 +153,16 @@ def read_text(path: str | os.PathLike[str], limit: int) -> str:
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise SceneError(f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save it as UTF-8", file, line) from None
+
+
+def doubled(key: str) -> str:
+    """Return the message for a key that is given twice."""
+    return f"key {shown(key)} is given twice; keep one"
+
+
+def not_a_mapping(what: str) -> str:
+    """Return the message for a file that holds something else, a list or a word, instead of keys and values."""
+    return f"must be a mapping of keys to values, got {what}"
 
 
 def shown(value: object) -> str:

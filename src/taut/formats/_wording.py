@@ -79,7 +79,8 @@ def _message(data: Any, place: Place, error: Any, title: str) -> str:
         return who + _shapeless(value)
     if kind == "outline":
         return who + str(error["msg"])
-    return f"{who}{_where(rest)} {_expected(kind, field, rest, value, context, error['msg'])}".strip()
+    where = f"{_where(rest)} " if rest else ""
+    return f"{who}{where}{_expected(kind, field, rest, value, context, error['msg'])}"
 
 
 def _missing(field: str, rest: Place) -> str:

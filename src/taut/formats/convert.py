@@ -256,8 +256,8 @@ def _plan(entry: schema.PlanFile, document: Document) -> Plan:
         except PlanError as error:
             raise document.error(error.message, ("robots", k, "stamps")) from None
     lower_bound = (entry.metrics or _NO_METRICS).get("lower_bound")
-    if lower_bound is not None and not isinstance(lower_bound, dict):
-        message = f"lower_bound must be a mapping of model and value, got {shown(lower_bound)}"
+    if lower_bound is not None and not _is_bound(lower_bound):
+        message = f"lower_bound must be a mapping of model (text) and value (seconds), got {shown(lower_bound)}"
         raise document.error(message, ("metrics", "lower_bound"))
     try:
         return Plan(
@@ -270,6 +270,13 @@ def _plan(entry: schema.PlanFile, document: Document) -> Plan:
         )
     except PlanError as error:
         raise document.error(error.message, ("robots",)) from None
+
+
+def _is_bound(value: Any) -> bool:
+    if not isinstance(value, dict) or not isinstance(value.get("model"), str) or "value" not in value:
+        return False
+    seconds = value["value"]
+    return seconds is None or (isinstance(seconds, int | float) and not isinstance(seconds, bool))
 
 
 def _plain(value: Any, where: str) -> Any:

@@ -24,7 +24,7 @@ def load_scene(path_or_name: str | os.PathLike[str]) -> Scene:
 
     Parameters
     ----------
-    path_or_name : a .yaml, .yml (at most 16 MB), .json or .geojson file (at most 64 MB), or the name of a ready
+    path_or_name : a .yaml, .yml (at most 8 MB), .json or .geojson file (at most 64 MB), or the name of a ready
         scene such as "thesis-2".
 
     Raises

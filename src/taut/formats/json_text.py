@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 import re
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 from taut.errors import SceneError
-from taut.formats._document import Document, DocumentBuilder, Place
+from taut.formats._document import CROWDED, MAX_KEYS, Document, DocumentBuilder, Place, doubled, not_a_mapping
 
 LIMIT = 64 << 20
+_LOCATED = 8 << 20  # characters up to which lines are looked up; beyond that it would take half a minute
+_OTHERS = {"[": "a list", '"': "text", **dict.fromkeys("-0123456789", "a number")}
 
+_BLANK = re.compile(r"[ \t\r\n]*")
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+', re.DOTALL)
 
 
@@ -27,8 +31,12 @@ def parse_json(text: str, file: str | None = None) -> Document:
     Raises
     ------
     SceneError
-        Not strict JSON (NaN and Infinity are not), a key given twice, too deep.
+        Not a mapping, not strict JSON (NaN and Infinity are not), a key given twice, too deep.
     """
+    start = _BLANK.match(text)
+    at = start.end() if start else 0
+    if other := _OTHERS.get(text[at : at + 1]):  # before anything is built from it: it may be very long
+        raise SceneError(not_a_mapping(other), file, text.count("\n", 0, at) + 1)
     try:
         data = _strict(text, file)
     except json.JSONDecodeError as error:
@@ -38,7 +46,7 @@ def parse_json(text: str, file: str | None = None) -> Document:
 
     @cache
     def located() -> Document | None:
-        return _located(text, file)
+        return _located(text, file) if len(text) <= _LOCATED else None
 
     def line_of(place: Place) -> int | None:
         document = located()
@@ -51,8 +59,9 @@ def _strict(text: str, file: str | None) -> Any:
     try:
         return json.loads(text, object_pairs_hook=_unique, parse_constant=_constant, parse_int=_int)
     except _NeedsLine as error:
-        json.loads(text, parse_int=_int)  # JSON that breaks off further on is told as such
-        _located(text, file)
+        if len(text) <= _LOCATED:
+            json.loads(text, parse_int=_int)  # JSON that breaks off further on is told as such
+            _located(text, file)
         raise SceneError(str(error), file) from None
 
 
@@ -78,9 +87,12 @@ def _located(text: str, file: str | None) -> Document | None:
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(pairs) > MAX_KEYS:
+        raise _NeedsLine(CROWDED)
     out = dict(pairs)
     if len(out) < len(pairs):
-        raise _NeedsLine("a key is given twice")
+        times = Counter(key for key, _ in pairs)
+        raise _NeedsLine(doubled(next(key for key, count in times.items() if count > 1)))
     return out
 
 

@@ -22,11 +22,14 @@ Name = Annotated[str, Field(strict=True, min_length=1)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
-Point = Annotated[list[Number], Field(min_length=2, max_length=2, description="[x, y], metres")]
-Stamp = Annotated[list[Number], Field(min_length=3, max_length=3, description="[t, x, y], seconds and metres")]
+Point = Annotated[list[Number], Field(fail_fast=True, min_length=2, max_length=2, description="[x, y], metres")]
+Stamp = Annotated[
+    list[Number], Field(fail_fast=True, min_length=3, max_length=3, description="[t, x, y], seconds and metres")
+]
 AtGoal = Literal["stay", "leave"]
 
 
+# Lists fail fast: each wrong item costs a report, and a file may hold millions; the first one tells enough.
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
@@ -35,7 +38,7 @@ class PolygonEntry(_Strict):
     """A simple polygon, corners in either direction, not closed by repetition."""
 
     name: Name | None = None
-    polygon: Annotated[list[Point], Field(min_length=3)]
+    polygon: Annotated[list[Point], Field(min_length=3, fail_fast=True)]
 
 
 class CircleEntry(_Strict):
@@ -51,7 +54,8 @@ class RectangleEntry(_Strict):
 
     name: Name | None = None
     rectangle: Annotated[
-        list[Number], Field(min_length=4, max_length=4, description="[x, y, width, height], metres, before turning")
+        list[Number],
+        Field(fail_fast=True, min_length=4, max_length=4, description="[x, y, width, height], metres, before turning"),
     ]
     angle: Annotated[Number, Field(description="radians about the centre, counter-clockwise")] = 0.0
 
@@ -60,7 +64,7 @@ class LineEntry(_Strict):
     """A wall: every point within width / 2 of a polyline."""
 
     name: Name | None = None
-    line: Annotated[list[Point], Field(min_length=2)]
+    line: Annotated[list[Point], Field(min_length=2, fail_fast=True)]
     width: Positive
 
 
@@ -104,9 +108,14 @@ class SceneFile(_Strict):
 
     taut: Annotated[Version, Field(description="the version of this format")]
     name: Text = ""
-    workspace: Annotated[list[Point], Field(min_length=3, description="corners of a simple polygon")] | None = None
+    workspace: (
+        Annotated[list[Point], Field(min_length=3, fail_fast=True, description="corners of a simple polygon")] | None
+    ) = None
     bounds: (
-        Annotated[list[Number], Field(min_length=4, max_length=4, description="[xmin, ymin, xmax, ymax], metres")]
+        Annotated[
+            list[Number],
+            Field(fail_fast=True, min_length=4, max_length=4, description="[xmin, ymin, xmax, ymax], metres"),
+        ]
         | None
     ) = None
     clearance: Annotated[
@@ -115,8 +124,8 @@ class SceneFile(_Strict):
     gap: Annotated[NotNegative, Field(description="metres kept free between robots, beyond their radii")] = 0.0
     headway: Annotated[NotNegative, Field(description="seconds by which the separation also holds between times")] = 0.0
     at_goal: AtGoal = "stay"
-    obstacles: list[ObstacleEntry] = []
-    robots: list[RobotEntry]
+    obstacles: Annotated[list[ObstacleEntry], Field(fail_fast=True)] = []
+    robots: Annotated[list[RobotEntry], Field(fail_fast=True)]
 
     @model_validator(mode="after")
     def _one_outline(self) -> SceneFile:
@@ -131,7 +140,7 @@ class TrajectoryEntry(_Strict):
     """The motion of one robot."""
 
     name: Name
-    stamps: Annotated[list[Stamp], Field(min_length=1)]
+    stamps: Annotated[list[Stamp], Field(min_length=1, fail_fast=True)]
 
 
 class PlanFile(_Strict):
@@ -142,7 +151,7 @@ class PlanFile(_Strict):
     scene: SceneFile
     planner: dict[str, Any] | None = None
     claims: dict[str, Any] | None = None
-    robots: list[TrajectoryEntry]
+    robots: Annotated[list[TrajectoryEntry], Field(fail_fast=True)]
     metrics: dict[str, Any] | None = None
     certificate: dict[str, Any] | None = None
 

@@ -9,9 +9,9 @@ from typing import Any
 import yaml
 
 from taut.errors import SceneError
-from taut.formats._document import Document, DocumentBuilder, shown
+from taut.formats._document import Document, DocumentBuilder, not_a_mapping, shown
 
-LIMIT = 16 << 20
+LIMIT = 8 << 20
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -61,6 +61,7 @@ def parse_yaml(text: str, file: str | None = None) -> Document:
 def _document(text: str, file: str | None) -> Document | None:
     builder = DocumentBuilder(file)
     documents = 0
+    begun = False
     for event in yaml.parse(text, Loader=_LOADER):
         line = event.start_mark.line + 1 if event.start_mark else 0
         if isinstance(event, yaml.NodeEvent):
@@ -68,17 +69,21 @@ def _document(text: str, file: str | None) -> Document | None:
                 raise SceneError("anchors and aliases (& and *) are not used here; write the value out", file, line)
             if (tag := getattr(event, "tag", None)) is not None:
                 raise SceneError(f"tags are not used here; remove {shown(tag)}", file, line)
+            if not begun and not isinstance(event, yaml.MappingStartEvent):
+                value = event.value if isinstance(event, yaml.ScalarEvent) else None
+                if value == "":
+                    raise SceneError("is empty", file)
+                # before anything is built from it: it may be very long
+                raise SceneError(not_a_mapping("a list" if value is None else shown(value)), file, line)
+            begun = True
             if builder.expects_key():
                 if not isinstance(event, yaml.ScalarEvent):
                     raise SceneError("a key must be a word, not a list or mapping", file, line)
                 builder.key(event.value, line)
             elif isinstance(event, yaml.ScalarEvent):
-                plain = event.style in (None, "")
-                builder.scalar(resolve(event.value) if plain else event.value, line)
-            elif isinstance(event, yaml.MappingStartEvent):
-                builder.open({}, line)
+                builder.scalar(resolve(event.value) if event.style in (None, "") else event.value, line)
             else:
-                builder.open([], line)
+                builder.open({} if isinstance(event, yaml.MappingStartEvent) else [], line)
         elif isinstance(event, yaml.CollectionEndEvent):
             builder.close()
         elif isinstance(event, yaml.DocumentStartEvent):

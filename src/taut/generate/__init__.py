@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -129,7 +128,16 @@ def random_scene(
         Robot(f"R{k + 1}", ends[k].tolist(), ends[n + k].tolist(), radius=float(radii[k]), speed=float(speeds[k]))
         for k in range(n)
     ]
-    scene = replace(given, workspace=(0, 0, hall.width, hall.height), obstacles=placed, robots=team)
+    scene = Scene(
+        (0, 0, hall.width, hall.height),
+        placed,
+        team,
+        name=given.name,
+        clearance=given.clearance,
+        gap=given.gap,
+        headway=given.headway,
+        at_goal=given.at_goal,
+    )
     try:
         validate(scene)
     except SceneError as error:  # what is a billion times smaller than the hall is lost in rounding

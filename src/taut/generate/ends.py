@@ -91,7 +91,8 @@ class _Ends:
         self.places = np.full((len(radii), 2), np.nan)
         self.done = np.zeros(len(radii), dtype=bool)
         widest = float(radii.max())
-        needed = math.pi / 4 * float(np.sum((2 * radii + gap) ** 2)) / free.part.buffer(widest + gap / 2).area
+        room = free.part.buffer(widest + gap / 2).area  # 0 where a sliver is lost in rounding
+        needed = math.pi / 4 * float(np.sum((2 * radii + gap) ** 2)) / room if room > 0 else math.inf
         self.hopeless = _NEAREST**2 * needed > JAM
         self.spread = min(_FARTHEST, max(_NEAREST, math.sqrt(_SPREAD / needed))) if needed > 0 else _FARTHEST
         self.longest = self.apart(np.array([widest]), np.array([widest]))[0]
