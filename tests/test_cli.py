@@ -6,14 +6,18 @@ import json
 import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from rich.cells import cell_len
 
 from taut.cli import main
+from taut.cli.tables import say_table
+from taut.errors import NoPlanFound, SceneError
 
 HALL = """\
 taut: 1
@@ -228,12 +232,14 @@ def test_wrong_command_lines_are_refused_in_one_line(taut: Taut, hall: Path) -> 
     assert refused(taut("plan", hall, "--seconds", "nan"), "--seconds")
     assert refused(taut("plan", hall, "--seconds", "-1"), "--seconds")
     assert refused(taut("plan", hall, "--rounds", "0"), "--rounds")
+    assert refused(taut("plan", hall, "--rounds", "99999999999999999999"), "--rounds", "1000000")
     assert refused(taut("plan", hall, "--seed", "1.5"), "--seed")
     assert refused(taut("plan", hall, "--graph"), "--figure")
     assert refused(taut("random", "--robots", "-1"), "--robots")
     assert refused(taut("random", "--radius", "thin"), "--radius")
     assert refused(taut("random", "--radius", "1,2,3"), "--radius")
     assert refused(taut("random", "--size", "1", "--robots", "50"), "larger size")
+    assert refused(taut("random", "--size", "1e300"), "size", "1e+07 m")
     assert refused(taut("random", "-o", "scene.txt"), ".yaml")
 
 
@@ -272,6 +278,40 @@ def test_an_interrupt_is_exit_code_130(taut: Taut, monkeypatch: pytest.MonkeyPat
     assert refused(taut("check", "x"), "interrupted", code=130)
 
 
+def test_an_interrupt_inside_compiled_code_is_exit_code_130(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+    wrapped = SystemError("<built-in function search> returned a result with an exception set")
+    wrapped.__cause__ = KeyboardInterrupt()
+    broken(monkeypatch, wrapped)
+    assert refused(taut("check", "x"), "interrupted", code=130)
+    buried = RuntimeError("cannot clean up")
+    buried.__context__ = wrapped
+    broken(monkeypatch, buried)
+    assert refused(taut("check", "x"), "interrupted", code=130)
+
+
+def test_an_interrupt_while_the_libraries_load_is_exit_code_130(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Interrupting:
+        @staticmethod
+        def find_spec(name: str, *_: object) -> None:
+            if name == "taut.cli.application":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "taut.cli.application", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Interrupting, *sys.meta_path])
+    assert refused(taut("scenes"), "interrupted", code=130)
+
+
+def test_remarks_of_libraries_are_not_shown(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+    def remark(*_: object, **__: object) -> None:
+        warnings.warn("overflow encountered in multiply", RuntimeWarning, stacklevel=1)
+        raise SceneError("is empty")
+
+    monkeypatch.setattr("taut.formats.load_scene", remark)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert refused(taut("check", "x"), "is empty")
+
+
 def test_an_error_of_the_system_is_one_line(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
     broken(monkeypatch, PermissionError(13, "Permission denied", "x"))
     assert refused(taut("check", "x"), "x: Permission denied")
@@ -286,6 +326,35 @@ def test_a_closed_pipe_is_quiet(hall: Path) -> None:
         said = process.stderr.read()
     assert said == b""
     assert process.returncode == 141
+
+
+def in_a_shell(words: str) -> subprocess.CompletedProcess[str]:
+    command = f'exec "{sys.executable}" -m taut {words}'
+    return subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a POSIX shell")
+def test_closed_streams_change_no_exit_code(hall: Path) -> None:
+    assert in_a_shell("scenes >&-").returncode == 0
+    assert in_a_shell("scenes 2>&-").returncode == 0
+    assert in_a_shell("check nowhere.yaml 2>&-").returncode == 2
+    done = in_a_shell("check nowhere.yaml >&-")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "nowhere.yaml" in done.stderr
+    assert in_a_shell("check nowhere.yaml >&- 2>&-").returncode == 2
+    done = in_a_shell(f"check '{hall}' >&-")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("words", ["scenes", "--help", "random --obstacles 400", "--version"])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_disk_under_stdout_is_said(monkeypatch: pytest.MonkeyPatch, words: str, unbuffered: str) -> None:
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
+    done = in_a_shell(f"{words} >/dev/full")
+    assert done.stderr == "taut: error: cannot write to stdout: No space left on device\n"
+    assert done.returncode == 2
+    assert in_a_shell("check nowhere.yaml 2>/dev/full").returncode == 2
 
 
 def test_an_old_code_page_does_not_crash(hall: Path) -> None:
@@ -389,6 +458,26 @@ def test_nothing_is_cut_in_a_pipe(taut: Taut, hall: Path) -> None:
     assert name in taut("plan", hall).out
 
 
+@pytest.mark.parametrize("columns", [1, 20, 40, 60, 80, 120])
+def test_nothing_is_cut_in_a_narrow_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, columns: int
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    why = "+12.3456 m: goes round robot-17, who stands at its goal on the shortest way from t = 12.3 s on"
+    heads = ["robot", "length (m)", "arrival (s)", "shortest (m)", "waits", "why longer"]
+    rows = [["robot-number-1", "15.1336", "17.1757", "14.2000", "2 (1.25 s)", why], ["長い名前", "1", "2", "3", "", ""]]
+    say_table(heads, rows, left=("robot", "waits", "why longer"))
+    out = capsys.readouterr().out
+    for cell in rows[0][:5] + rows[1][:1]:
+        assert cell in (out if columns >= 40 else " ".join(out.split()))
+    assert " ".join(why.split()) in " ".join(out.split()) or columns >= 120
+    if columns >= 40:
+        assert max(cell_len(line) for line in out.splitlines()) <= columns
+    if columns >= 80:  # the words get room of their own
+        assert max(len(line.split()) for line in out.splitlines() if "goes round" in line) >= 5
+
+
 # --- verifying ---
 
 
@@ -415,6 +504,32 @@ def test_a_damaged_plan_does_not_verify(taut: Taut, plan: Path, amount: float) -
     run = taut("verify", plan, "--json")
     assert run.code == 1
     assert run.json["problems"][0]["robots"] == ["R1"]
+
+
+def test_a_plan_of_a_scene_that_cannot_be_used_is_never_certified(taut: Taut, plan: Path, hall: Path) -> None:
+    crossing = HALL.replace("[6, 3], [6, 7]", "[6, 7], [6, 3]")
+    hall.write_text(crossing)
+    assert refused(taut("verify", plan, "--scene", hall), str(hall), "box", "crosses itself")
+    content = json.loads(plan.read_text())
+    content["scene"]["obstacles"][0]["polygon"] = [[4, 3], [6, 7], [6, 3], [4, 7]]
+    plan.write_text(json.dumps(content))
+    for command in ("verify", "show"):
+        run = taut(command, plan)
+        assert refused(run, str(plan), "box", "crosses itself")
+        assert run.out == ""
+
+
+def test_a_picture_does_not_believe_the_certificate_of_the_file(
+    taut: Taut, plan: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Any] = []
+    monkeypatch.setattr("taut.figures.save_figure", lambda value, *_, **__: drawn.append(value))
+    content = json.loads(plan.read_text())
+    assert content["certificate"]["ok"] is True
+    content["robots"][0]["stamps"][-1][2] += 0.5
+    plan.write_text(json.dumps(content))
+    assert taut("show", plan, "--figure", "plan.png").code == 1
+    assert drawn[0].certificate["ok"] is False
 
 
 # --- the other commands ---
@@ -450,6 +565,41 @@ def test_show_says_that_a_plan_does_not_hold(taut: Taut, plan: Path) -> None:
     content["robots"][0]["stamps"][-1][2] += 0.5
     plan.write_text(json.dumps(content))
     assert refused(taut("show", plan), "does not hold", code=1)
+
+
+@pytest.mark.parametrize("command", ["plan", "check", "graph"])
+def test_errors_after_loading_name_the_file(taut: Taut, hall: Path, command: str) -> None:
+    hall.write_text(HALL.replace("start: [1, 5]", "start: [4.5, 5]"))
+    assert refused(taut(command, hall), f"taut: error: {hall}: robot R1")
+    wall = "obstacles:\n  - {name: wall, line: [[7, 0], [7, 10]], width: 0.2}"
+    hall.write_text(HALL.replace("obstacles:", wall))
+    if command != "graph":
+        assert refused(taut(command, hall), f"taut: error: {hall}: ", "R1", code=1)
+
+
+def test_errors_about_a_ready_scene_name_it(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object, **__: object) -> None:
+        raise NoPlanFound("no plan was found")
+
+    monkeypatch.setattr("taut.team.plan", never)
+    assert refused(taut("plan", "thesis-2"), "taut: error: thesis-2: no plan was found", code=1)
+
+
+@pytest.mark.parametrize("size", ["1.7e308", "-1.7e308", "1e30"])
+def test_absurd_places_are_one_line_and_no_warnings(plan: Path, size: str) -> None:
+    content = json.loads(plan.read_text())
+    content["robots"][0]["stamps"][-2][1] = float(size)
+    plan.write_text(json.dumps(content))
+    picture = plan.with_name("plan.png")
+    done = in_a_shell(f"show '{plan}' --figure '{picture}'")
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1), done.stderr
+    assert "does not hold" in done.stderr
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    scene = plan.with_name("scene.json")
+    scene.write_text('{"taut": 1, "bounds": [-1.7e308, -1.7e308, 1.7e308, 1.7e308], "robots": []}')
+    done = in_a_shell(f"show '{scene}' --figure '{picture}'")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "cannot be drawn" in done.stderr
 
 
 def test_graph_counts(taut: Taut, hall: Path) -> None:
@@ -514,7 +664,7 @@ def in_a_new_process(code: str) -> Any:
 def test_importing_taut_loads_nothing_heavy() -> None:
     code = "import sys, json, taut, taut.cli; print(json.dumps(sorted(sys.modules)))"
     loaded = {name.partition(".")[0] for name in in_a_new_process(code)}
-    assert not loaded & {"matplotlib", "numba", "scipy", "shapely", "pydantic", "PIL"}
+    assert not loaded & {"typer", "rich", "matplotlib", "numba", "scipy", "shapely", "pydantic", "PIL"}
 
 
 def test_every_public_name_is_there_and_loaded_once() -> None:

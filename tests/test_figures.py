@@ -38,7 +38,7 @@ from taut.figures.style import (
     robot_colours,
 )
 from taut.motion import Plan, Trajectory
-from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
+from taut.scene import Circle, Line, Obstacle, Polygon, Rectangle, Robot, Scene
 
 CORNERS = (
     [(4.5, 2), (7.8, 2), (7.8, 4), (4.5, 4)],
@@ -274,6 +274,51 @@ def test_draw_says_what_it_cannot_draw() -> None:
         draw(3)
     with pytest.raises(TypeError, match="needs a Plan"):
         draw(THESIS, time=1.0)
+
+
+@pytest.mark.parametrize("far", [1.7e308, -1.7e308, 1e30, 1e7])
+def test_a_trajectory_that_leaves_for_nowhere_is_drawn_with_the_map(far: float, tmp_path: Path) -> None:
+    scene = Scene((0, 0, 10, 10), [Circle((5, 5), 1)], [Robot("R1", (1, 1), (9, 9), radius=0.3)])
+    stamps = [[0, 1, 1], [1, far, far], [2, far, far], [5, -far, 9], [1e308, 9, 9]]
+    plan = Plan(scene, (Trajectory("R1", np.array(stamps)),))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        axes = draw(plan)
+        png_bytes(plan)
+        animate(plan, tmp_path / "a.gif", seconds=0.3, fps=5)
+    assert -1 < axes.get_xlim()[0] < axes.get_xlim()[1] < 11
+    assert "last arrival 1e+308 s" in axes.get_title("right")
+
+
+def test_a_plan_a_little_off_the_map_is_shown_whole() -> None:
+    scene = Scene((0, 0, 10, 10), robots=[Robot("R1", (1, 1), (9, 9))])
+    axes = draw(Plan(scene, (Trajectory("R1", np.array([[0, 1, 1], [1, 60, 1], [2, 9, 9.0]])),)))
+    assert axes.get_xlim()[1] > 60
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene((-1.7e308, -1.7e308, 1.7e308, 1.7e308)),
+        Scene((0, 0, 1e-300, 1e-300)),
+        Scene((1e9, 1e9, 1e9 + 1e-6, 1e9 + 1e-6)),
+        Scene((0, 0, 10, 10), [Polygon([(1, 1), (1e300, 2), (3, 1e300)])]),
+        Scene((0, 0, 10, 10), robots=[Robot("R1", (1, 1), (2, 2), radius=1e308)]),
+    ],
+    ids=["huge", "tiny", "far out", "obstacle", "radius"],
+)
+def test_what_no_picture_can_show_is_refused(scene: Scene) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(OutputError, match="cannot be drawn"):
+            draw(scene)
+
+
+def test_obstacles_and_discs_far_larger_than_the_map_are_drawn() -> None:
+    things: list[Obstacle] = [Polygon([(1, 1), (1e30, 2), (3, 1e30)]), Circle((1e12, 3), 1e12 - 9), Circle((1, 8), 1e8)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        png_bytes(Scene((0, 0, 10, 10), things, [Robot("R1", (1, 1), (9, 9), radius=1e20)]))
 
 
 def test_empty_and_crowded_scenes_are_drawn() -> None:

@@ -15,6 +15,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from taut.errors import OutputError, PlanError, SceneError
 from taut.formats import (
@@ -28,6 +29,7 @@ from taut.formats import (
     scene_schema,
     scene_to_dict,
 )
+from taut.formats.schema import SceneFile
 from taut.formats.yaml_text import parse_yaml, resolve
 from taut.motion import Plan, Trajectory
 from taut.scene import AtGoal, Circle, Line, Obstacle, Polygon, Rectangle, Robot, Scene
@@ -431,9 +433,66 @@ def test_50_mb_of_garbage_are_refused(ending: str, kind: str, tmp_path: Path) ->
 
 
 def test_a_file_beyond_the_limit_is_told_so(tmp_path: Path) -> None:
-    with open(tmp_path / "a.json", "wb") as stream:
-        stream.truncate((64 << 20) + 1)
-    assert "larger than 64 MB" in str(refusal(tmp_path / "a.json"))
+    for name, limit in (("a.json", 64), ("a.yaml", 8)):
+        with open(tmp_path / name, "wb") as stream:
+            stream.truncate((limit << 20) + 1)
+        assert f"larger than {limit} MB" in str(refusal(tmp_path / name))
+
+
+@pytest.mark.parametrize(("content", "what"), [("[1, 1]", "a list"), ('"taut"', "text"), ("-17", "a number")])
+def test_json_of_another_kind_is_refused_before_it_is_built(
+    content: str, what: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("built all of it")
+
+    monkeypatch.setattr("taut.formats.json_text.json.loads", never)
+    error = refusal(write(tmp_path, "a.json", f"\n {content}"))
+    assert str(error).endswith(f"a.json:2: must be a mapping of keys to values, got {what}")
+
+
+def test_yaml_of_another_kind_is_refused_at_its_first_part(tmp_path: Path) -> None:
+    assert "got a list" in str(refusal(write(tmp_path, "a.yaml", "[1, 1, *not-yet")))
+    assert "got 'word'" in str(refusal(write(tmp_path, "a.yaml", "word")))
+
+
+@pytest.mark.parametrize("head", ['{"a": [', '{"taut": 1, "bounds": [0, 0, 1, 1], "robots": ['])
+def test_errors_of_50_mb_of_json_are_told_without_a_line(head: str, tmp_path: Path) -> None:
+    error = refusal(write(tmp_path, "a.json", head + "1," * 25_000_000 + "1]}"))
+    assert error.line is None
+    assert "`a`" in str(error) or "robot number 1: must be a mapping" in str(error)
+
+
+def test_in_long_json_nan_and_doubled_keys_are_told_without_a_line(tmp_path: Path) -> None:
+    blank = " " * (9 << 20)
+    error = refusal(write(tmp_path, "a.json", '{"taut": 1, "gap": 1, "gap": 2}' + blank))
+    assert (error.line, error.message) == (None, "key 'gap' is given twice; keep one")
+    error = refusal(write(tmp_path, "a.json", '{"taut": 1, "gap": NaN}' + blank))
+    assert (error.line, error.message) == (None, "NaN is not a number that JSON allows")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"workspace": [1] * 1000},
+        {"robots": [1] * 1000},
+        {"obstacles": [1] * 1000},
+        {"obstacles": [{"polygon": [[1]] * 1000}]},
+        {"obstacles": [{"line": [[1]] * 1000, "width": 1}]},
+        {"bounds": ["x"] * 1000},
+    ],
+    ids=["workspace", "robots", "obstacles", "polygon", "line", "bounds"],
+)
+def test_a_long_list_of_wrong_things_is_told_by_its_first(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError) as caught:
+        SceneFile.model_validate({"taut": 1, "bounds": [0, 0, 1, 1], "robots": [], **wrong})
+    assert caught.value.error_count() <= 2
+
+
+def test_a_mapping_of_too_many_keys_is_refused(tmp_path: Path) -> None:
+    keys = range(100_001)
+    assert "100000 keys" in str(refusal(write(tmp_path, "a.json", json.dumps({f"k{k}": 1 for k in keys}))))
+    assert "100000 keys" in str(refusal(write(tmp_path, "a.yaml", "".join(f"k{k}: 1\n" for k in keys))))
 
 
 def test_a_yaml_bomb_is_refused_at_its_first_anchor(tmp_path: Path) -> None:
@@ -494,6 +553,15 @@ WRONG_PLANS: dict[str, tuple[Callable[[Any], object], str]] = {
     ),
     "another kind": (lambda d: d.update(kind="route"), 'kind must be "plan"'),
     "a bound that is none": (lambda d: d["metrics"].update(lower_bound=3), "lower_bound must be a mapping"),
+    "a bound of nonsense": (
+        lambda d: d["metrics"].update(lower_bound={"model": 7, "value": "x"}),
+        "lower_bound must be a mapping of model (text) and value (seconds)",
+    ),
+    "a bound without value": (lambda d: d["metrics"].update(lower_bound={"model": "plane"}), "lower_bound must be"),
+    "a bound that is true": (
+        lambda d: d["metrics"].update(lower_bound={"model": "plane", "value": True}),
+        "lower_bound must be",
+    ),
 }
 
 

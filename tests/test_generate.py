@@ -179,6 +179,13 @@ def test_toy_halls_work_too() -> None:
     assert faults(scene) == []
 
 
+def test_a_sliver_of_a_hall_is_refused_in_one_line() -> None:
+    sliver: dict[str, Any] = {"size": (1e-6, 1e7), "obstacle_size": 1e-9, "radius": 1e-9, "clearance": 1e-9, "gap": 0}
+    for seed in range(3):
+        with pytest.raises(SceneError):
+            random_scene(3, 1, seed, **sliver)
+
+
 def test_large_scenes_are_made() -> None:
     scene = random_scene(robots=1000, obstacles=400, size=200, seed=1)
     starts = shapely.points([r.start for r in scene.robots])
@@ -212,6 +219,19 @@ def test_large_scenes_are_made() -> None:
         ({"size": 0}, "size"),
         ({"size": (1, 2, 3)}, "size"),
         ({"size": math.nan}, "size"),
+        ({"size": 1e300}, r"size must be between 1e-06 and 1e\+07 m, got 1e\+300"),
+        ({"size": (10, 1e-7)}, "size must be between"),
+        ({"radius": 1e300}, "radius must be between"),
+        ({"radius": (0, 1e8)}, "radius must be between"),
+        ({"speed": 1e-320}, "speed must be between"),
+        ({"gap": 1e300}, "gap must be between"),
+        ({"clearance": 1e300}, "clearance must be between"),
+        ({"clearance": math.inf}, "clearance"),
+        ({"headway": 1e300}, "headway must be between"),
+        ({"obstacle_size": 1e-300}, "obstacle_size must be between"),
+        ({"density": 1e-300}, "density must be at least"),
+        ({"radius": 1e7, "robots": 1000}, "need a hall of"),
+        ({"size": 1e7, "obstacle_size": 1e-9, "seed": 1}, "too far apart"),
         ({"density": 0}, "density"),
         ({"density": 1.0}, "density"),
         ({"density": 0.1, "obstacles": 0}, "density"),

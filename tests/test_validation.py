@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -142,7 +143,13 @@ def test_numbers_that_look_alike_are_told_with_more_digits() -> None:
 
 
 @settings(deadline=None, max_examples=60)
-@given(x=st.floats(0, 10), y=st.floats(0, 10), radius=st.floats(0, 1), angle=st.floats(-4, 4), size=st.floats(0.1, 3))
+@given(
+    x=st.floats(0, 10),
+    y=st.floats(0, 10),
+    radius=st.just(0.0) | st.floats(1e-60, 1),
+    angle=st.floats(-4, 4),
+    size=st.floats(0.1, 3),
+)
 def test_obstacles_block_just_where_a_slow_reference_says(
     x: float, y: float, radius: float, angle: float, size: float
 ) -> None:
@@ -327,3 +334,39 @@ def test_names_with_line_breaks_stay_on_one_line() -> None:
 def test_an_empty_scene_and_an_empty_team_are_fine() -> None:
     assert validate(Scene(W)) == ()
     assert validate(Scene(W, [LEFT])) == ()
+
+
+@pytest.mark.parametrize("value", [1e-320, 1e-71, 1e71, 1.7e308])
+@pytest.mark.parametrize("field", ["radius", "speed", "clearance", "start_time"])
+def test_numbers_of_a_robot_beyond_computing_are_refused(field: str, value: float) -> None:
+    robot = Robot("R1", (1, 1), (2, 2), **{field: value})  # type: ignore[arg-type]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(SceneError, match=f"^robot R1: {field} is .* use other units$"):
+            validate(Scene((0, 0, 9, 9), robots=[robot]))
+
+
+@pytest.mark.parametrize("value", [1e-320, 1.7e308])
+@pytest.mark.parametrize("field", ["clearance", "gap", "headway"])
+def test_numbers_of_a_scene_beyond_computing_are_refused(field: str, value: float) -> None:
+    with pytest.raises(SceneError, match=f"^the scene: {field} is .* use other units$"):
+        validate(Scene((0, 0, 9, 9), **{field: value}))  # type: ignore[arg-type]
+
+
+def test_a_growth_that_overflows_is_refused() -> None:
+    robot = Robot("R1", (1, 1), (2, 2), radius=1.7e308, clearance=1.7e308)
+    with pytest.raises(SceneError, match="robot R1: radius"):
+        validate(Scene((0, 0, 9, 9), robots=[robot]))
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "what"), [(Circle((5, 5), 1e-320), "radius"), (Line([(4, 4), (5, 5)], 1e-300), "width")]
+)
+def test_obstacles_too_thin_to_compute_are_refused(obstacle: Circle | Line, what: str) -> None:
+    with pytest.raises(SceneError, match=f"obstacle O1: {what} is"):
+        validate(Scene((0, 0, 9, 9), [obstacle]))
+
+
+def test_a_ring_whose_corners_are_all_one_has_one() -> None:
+    with pytest.raises(SceneError, match="only 1 of its 3 corners are different"):
+        validate(Scene((0, 0, 9, 9), [Polygon([(1, 1)] * 3)]))

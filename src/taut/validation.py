@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from taut.errors import GoalBlocked, SceneError, StartBlocked
-from taut.scene import Circle, FloatArray, Obstacle, Robot, Scene
+from taut.scene import Circle, FloatArray, Line, Obstacle, Robot, Scene
 
 IntArray = NDArray[np.int64]
 
@@ -63,6 +63,7 @@ def check_form(scene: Scene) -> None:
             f"largest coordinate is {2.0**40 * tol:.3g} m; beyond {_LARGEST:g} and below {1 / _LARGEST:g} nothing can"
         )
         raise SceneError(f"the scene's {message} be computed; use other units")
+    _check_numbers(scene)
     _check_rings(scene)
     _check_point_robots(scene)
 
@@ -90,9 +91,12 @@ def _check_numbers(scene: Scene) -> None:
     for robot in scene.robots:
         who = f"robot {_name(robot)}"
         numbers += [(who, what, getattr(robot, what)) for what in ("radius", "speed", "start_time", "clearance")]
-    numbers += [
-        (f"obstacle {_name(o)}", "radius" if isinstance(o, Circle) else "width", o.own_radius) for o in scene.obstacles
-    ]
+    for obstacle in scene.obstacles:
+        who = f"obstacle {_name(obstacle)}"
+        if isinstance(obstacle, Circle):
+            numbers.append((who, "radius", obstacle.radius))
+        elif isinstance(obstacle, Line):
+            numbers.append((who, "width", obstacle.width))
     for who, what, value in numbers:
         if value and not 1 / _LARGEST < value < _LARGEST:
             bounds = f"beyond {_LARGEST:g} and below {1 / _LARGEST:g}"

@@ -96,7 +96,7 @@ def _near(axes: Axes, path: Path) -> Path:
 
 def outlines(scene: Scene) -> list[FloatArray]:
     """Return the closed outlines of workspace and obstacles, each (k, 2)."""
-    paths = [_ring(np.array(scene.workspace)), *(obstacle_path(o) for o in scene.obstacles)]
+    paths = [_ring(np.array(scene.workspace)), *(_straight(o) for o in scene.obstacles)]
     return [np.asarray(ring, dtype=np.float64) for path in paths for ring in path.to_polygons(closed_only=False)]
 
 
@@ -109,6 +109,13 @@ def obstacle_path(obstacle: Obstacle) -> Path:
             return polygon_path(shapely.LineString(obstacle.core).buffer(obstacle.own_radius, quad_segs=16))
         case _:
             return _ring(obstacle.core)
+
+
+def _straight(obstacle: Obstacle) -> Path:
+    """Return the outline in straight pieces; of curves Path itself makes as many as a circle has metres."""
+    if isinstance(obstacle, Circle):
+        return polygon_path(shapely.Point(obstacle.center).buffer(obstacle.radius, quad_segs=16))
+    return obstacle_path(obstacle)
 
 
 def _fill(axes: Axes, paths: Iterable[Path], face: str, edge: str, width: float, zorder: float) -> None:
@@ -131,7 +138,7 @@ def polygon_path(polygon: Any) -> Path:
 
 def _room_inside(axes: Axes, obstacle: Obstacle, width: float, height: float) -> tuple[float, float] | None:
     """Return where text of that size (points) fits inside the obstacle, or None."""
-    rings = _near(axes, obstacle_path(obstacle)).to_polygons()
+    rings = _near(axes, _straight(obstacle)).to_polygons()
     if not rings:
         return None
     corners = to_points(axes, np.asarray(rings[0], dtype=np.float64))
