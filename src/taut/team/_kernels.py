@@ -565,6 +565,9 @@ def blockers(
 # --- Safe-interval search ---------------------------------------------------------------------------------------------
 
 
+# The heap is that of taut.graph: kernels that call each other share a file, or an edit there would go unnoticed here.
+
+
 @kernel
 def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
     """Insert into a binary heap; ties are served by the smaller item."""
