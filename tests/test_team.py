@@ -589,3 +589,21 @@ def test_more_time_between_starts_never_costs_who_meets_nobody() -> None:
     found = check(result)
     late = found.costs - result.shortest
     assert late[3] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_robot_parked_at_its_goal_steps_aside_and_returns() -> None:
+    walls = [Polygon([(0, 1), (4, 1), (4, 3), (0, 3)]), Polygon([(6, 1), (10, 1), (10, 3), (6, 3)])]
+    team = [Robot("parked", (5, 0.5), (5, 0.5), 0.4), Robot("passing", (0.5, 0.5), (9.5, 0.5), 0.4)]
+    found = check(plan(Scene((0, 0, 10, 3), walls, team, gap=0.05)))
+    parked = found.trajectories[0]
+    assert parked.length > 2
+    assert (parked.points[[0, -1]] == (5, 0.5)).all()
+
+
+@pytest.mark.parametrize("start_time", [1e3, 1e4])
+def test_a_late_robot_is_never_faster_than_it_can_be(start_time: float) -> None:
+    """Late times are rounded coarsely; an arrival is rounded up."""
+    robot = Robot("late", (1, 1), (8.3, 7.7), speed=0.7, start_time=start_time)
+    trajectory = check(plan(Scene((0, 0, 10, 10), [Polygon([(4, 3), (6, 3), (5, 7)])], [robot]))).trajectories[0]
+    moved = np.hypot(*np.diff(trajectory.points, axis=0).T)
+    assert (moved <= robot.speed * np.diff(trajectory.times)).all()

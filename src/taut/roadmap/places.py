@@ -89,6 +89,7 @@ def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:
     lattice = np.stack([x.ravel(), y.ravel()], axis=1)
     triangles = mesh.locate(lattice)
     places, triangles = lattice[triangles >= 0], triangles[triangles >= 0]
+    # dead ends may lie close together, as each may be the one bay in which a robot can wait
     for candidates, near in (
         (_dead_ends(mesh), 0.3),
         (_passages(mesh), 0.6),

@@ -15,7 +15,10 @@ from taut.route import Attached, Route
 from taut.scene import FloatArray
 from taut.team._kernels import Adjacency, Floats, Ints
 
+# 20 neighbours made the search a third slower and the plans of halls and warehouses less than 0.2 % shorter
 _NEIGHBOURS = 8
+# own vertices are dense along the route: this share of the reach joins each with the next few
+_OWN_REACH = 0.7
 _RING = 8
 
 
@@ -119,7 +122,7 @@ def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
     # a bend where free space touches itself belongs to its route alone: other edges would let the robot through
     own, column = np.nonzero(np.isfinite(away) & ~mesh.on_pinch(xy)[:, None])
     pairs = [np.stack([place[own, column] + len(shared.wedges), n + own], axis=1).astype(np.int64)]
-    each_other = KDTree(xy).query_pairs(0.7 * reach, output_type="ndarray").astype(np.int64)
+    each_other = KDTree(xy).query_pairs(_OWN_REACH * reach, output_type="ndarray").astype(np.int64)
     pairs.append(n + each_other[~mesh.on_pinch(xy)[each_other].any(axis=1)])
     candidates = np.concatenate(pairs)
     everything = np.concatenate([shared.positions, xy])
