@@ -13,6 +13,14 @@ class Method(StrEnum):
     """How the team is planned."""
 
     prioritized = "prioritized"
+    mrppa = "mrppa"
+
+
+class WeightName(StrEnum):
+    """How λ2 weighs an edge."""
+
+    one = "one"
+    distance = "distance"
 
 
 class Order(StrEnum):

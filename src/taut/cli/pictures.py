@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from taut.motion import Plan
     from taut.roadmap import Roadmap
     from taut.scene import Scene
+    from taut.team.stages import Stage
 
 FIGURES = (".png", ".pdf", ".svg")
 ANIMATIONS = (".gif", ".mp4")
@@ -55,6 +57,14 @@ def write_pictures(value: Scene | Plan, figure: Path | None, animation: Path | N
             animate(value, animation)
         written.append(str(animation))
     return written
+
+
+def write_stages(stages: Sequence[Stage], folder: Path) -> str:
+    """Draw and write every stage into a folder; return the name of the index of what was written."""
+    from taut.figures import save_stages
+
+    with progress(f"drawing {len(stages)} stages"):
+        return str(save_stages(stages, folder)[-1])
 
 
 def _roadmap_under(scene: Scene) -> Roadmap:

@@ -11,10 +11,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from taut.cli.options import AnimateOption, FigureOption, GraphOption, JsonOption, Method, Order, SceneArgument
+from taut.cli.options import (
+    AnimateOption,
+    FigureOption,
+    GraphOption,
+    JsonOption,
+    Method,
+    Order,
+    SceneArgument,
+    WeightName,
+)
 from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
-from taut.cli.pictures import require_pictures, write_pictures
-from taut.cli.reports import certificate_facts, plan_report, say_plan, say_problems, say_scene, scene_report
+from taut.cli.pictures import require_pictures, write_pictures, write_stages
+from taut.cli.reports import certificate_facts, plan_report, say_plan, say_problems, say_scene, say_stages, scene_report
 from taut.errors import OutputError, SceneError
 
 if TYPE_CHECKING:
@@ -34,6 +43,17 @@ def plan(
         int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
+    weight: Annotated[
+        WeightName | None, typer.Option(help="What an edge weighs in λ2 (with --method mrppa; one if not given).")
+    ] = None,
+    split: Annotated[
+        str | None,
+        typer.Option(metavar="NAMES", help='One side of the cut by hand, like "O1,O4,R1 start" (--method mrppa).'),
+    ] = None,
+    stages: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write a figure, a text and a JSON record of every stage.")
+    ] = None,
+    explain: Annotated[bool, typer.Option("--explain", help="Tell what was done, stage by stage.")] = False,
     figure: FigureOption = None,
     animate: AnimateOption = None,
     with_graph: GraphOption = False,
@@ -42,12 +62,20 @@ def plan(
     """Plan the motions of a team, prove them, and print and write them."""
     if seconds is not None and not (math.isfinite(seconds) and seconds > 0):
         raise typer.BadParameter("must be a positive number", param_hint="--seconds")
+    for given, option in ((weight, "--weight"), (split, "--split")):
+        if given is not None and method is not Method.mrppa:
+            raise typer.BadParameter("belongs to --method mrppa", param_hint=option)
     never = Path(scene)
     require_writable(output, "a plan", (".json",), never)
     require_pictures(figure, animate, with_graph, never)
+    if stages is not None:
+        from taut.figures.album import require_album
+
+        require_album(stages)
 
     from taut.formats import load_scene, save
     from taut.team import plan as plan_team
+    from taut.team.telling import stage_data
 
     began = time.perf_counter()
     world = load_scene(scene)
@@ -64,6 +92,8 @@ def plan(
             rounds=rounds,
             seconds=seconds,
             progress=passed,
+            weight=None if weight is None else weight.value,
+            split=None if split is None else [name.strip() for name in split.split(",") if name.strip()],
         )
     report = plan_report(result.plan, result.certificate, list(result.shortest), list(result.detours))
     report["notes"] = list(result.notes)
@@ -74,9 +104,14 @@ def plan(
             save(result.plan, output)
             report["files"].append(str(output))
         report["files"] += write_pictures(result.plan, figure, animate, with_graph)
+        if stages is not None:
+            report["files"].append(write_stages(result.stages, stages))
     if as_json:
+        report["stages"] = [stage_data(stage) for stage in result.stages] if explain else []
         say_json(report)
     else:
+        if explain:
+            say_stages(result.stages)
         for note in report["notes"]:
             say(f"note: {note}")
         say_plan(report, result.certificate)

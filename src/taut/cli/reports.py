@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from taut.certificate import Certificate
     from taut.motion import Plan
     from taut.scene import Scene
+    from taut.team.stages import Stage
 
 Report: TypeAlias = dict[str, Any]
 
@@ -145,6 +146,17 @@ def say_plan(report: Report, certificate: Certificate) -> None:
         facts.append(("planned in", f"{report['elapsed']:.2f} s"))
     say_facts(facts)
     say_problems(certificate)
+
+
+def say_stages(stages: Sequence[Stage]) -> None:
+    """Tell what was done, stage by stage."""
+    from taut.team.telling import tell, title
+
+    for number, stage in enumerate(stages, 1):
+        say(f"{number}. {title(stage)}")
+        for line in tell(stage):
+            say(f"   {line}")
+    say()
 
 
 def _robot_row(row: Report) -> list[str]:

@@ -144,3 +144,54 @@ def astar(
         path[i] = v
         v = before[v]
     return distance[n], path
+
+
+@kernel
+def breadth_first(indptr: Ints, indices: Ints, source: int) -> tuple[Ints, Ints]:
+    """Edges on a way with fewest of them (−1 where there is none) and the vertex that saw each first (−1)."""
+    n = indptr.shape[0] - 1
+    hops = np.full(n, -1, dtype=np.int64)
+    before = np.full(n, -1, dtype=np.int64)
+    queue = np.empty(n, dtype=np.int64)
+    hops[source] = 0
+    queue[0] = source
+    visited, seen = 0, 1
+    while visited < seen:
+        u = queue[visited]
+        visited += 1
+        for k in range(indptr[u], indptr[u + 1]):
+            v = indices[k]
+            if hops[v] < 0:
+                hops[v] = hops[u] + 1
+                before[v] = u
+                queue[seen] = v
+                seen += 1
+    return hops, before
+
+
+@kernel
+def depth_first(indptr: Ints, indices: Ints, source: int) -> tuple[Ints, Ints]:
+    """Vertices in the order visited and the vertex from which each was visited (−1)."""
+    n = indptr.shape[0] - 1
+    order = np.empty(n, dtype=np.int64)
+    before = np.full(n, -1, dtype=np.int64)
+    visited = np.zeros(n, dtype=np.bool_)
+    upcoming = indptr[:n].copy()  # where each vertex goes on looking among its neighbours
+    visited[source] = True
+    order[0] = source
+    count = 1
+    u = source
+    while u >= 0:
+        k = upcoming[u]
+        if k == indptr[u + 1]:
+            u = before[u]  # the tree itself remembers the way back: no stack is needed
+            continue
+        upcoming[u] = k + 1
+        v = indices[k]
+        if not visited[v]:
+            visited[v] = True
+            before[v] = u
+            order[count] = v
+            count += 1
+            u = v
+    return order[:count].copy(), before

@@ -1,6 +1,8 @@
-"""Shortest paths on a Graph: Dijkstra from one vertex, A* between two."""
+"""Searches on a Graph: Dijkstra from one vertex, A* between two, breadth first and depth first."""
 
 from __future__ import annotations
+
+from operator import index
 
 import numpy as np
 
@@ -21,7 +23,7 @@ def dijkstra(graph: Graph, source: int) -> tuple[Floats, Ints]:
     IndexError
         ``source`` is not a vertex.
     """
-    _check(graph, source)
+    source = check_vertex(graph, source)
     return _kernels.dijkstra(graph.indptr, graph.indices, graph.weights, source)
 
 
@@ -35,8 +37,7 @@ def astar(graph: Graph, positions: Floats, source: int, target: int) -> tuple[fl
     IndexError
         ``source`` or ``target`` is not a vertex.
     """
-    _check(graph, source)
-    _check(graph, target)
+    source, target = check_vertex(graph, source), check_vertex(graph, target)
     ends = np.array([source]), np.array([target])
     return astar_between(graph, positions, positions[source], ends[0], positions[target], ends[1])
 
@@ -52,6 +53,50 @@ def astar_between(
     return _kernels.astar(graph.indptr, graph.indices, graph.weights, positions, source, first, target, last)
 
 
+def breadth_first(graph: Graph, source: int) -> tuple[Ints, Ints]:
+    """Fewest edges from ``source`` to each vertex, whatever their weights, and the tree of first sights.
+
+    Vertices are visited in the order in which they were first seen, neighbours in ascending order. O(n + m).
+
+    Returns
+    -------
+    hops : (n,) number of edges, −1 where there is no path.
+    before : (n,) the vertex from which each was first seen; −1 for the source and unreachable vertices.
+
+    Raises
+    ------
+    IndexError
+        ``source`` is not a vertex.
+
+    >>> breadth_first(Graph.from_edges(4, [(0, 1), (1, 2), (0, 2)]), 0)[0].tolist()
+    [0, 1, 1, -1]
+    """
+    source = check_vertex(graph, source)
+    return _kernels.breadth_first(graph.indptr, graph.indices, source)
+
+
+def depth_first(graph: Graph, source: int) -> tuple[Ints, Ints]:
+    """Vertices in the order in which a search visits them that always goes on from the latest, and its tree.
+
+    Of the neighbours not yet visited the smallest comes next. O(n + m), at any depth.
+
+    Returns
+    -------
+    order : (k,) the vertices that can be reached, ``source`` first.
+    before : (n,) the vertex from which each was visited; −1 for the source and unreachable vertices.
+
+    Raises
+    ------
+    IndexError
+        ``source`` is not a vertex.
+
+    >>> depth_first(Graph.from_edges(4, [(0, 1), (1, 2), (0, 2)]), 0)[0].tolist()
+    [0, 1, 2]
+    """
+    source = check_vertex(graph, source)
+    return _kernels.depth_first(graph.indptr, graph.indices, source)
+
+
 def path_to(before: Ints, target: int) -> list[int]:
     """Vertices from the root of a shortest-path tree to ``target``."""
     path = [target]
@@ -60,6 +105,16 @@ def path_to(before: Ints, target: int) -> list[int]:
     return path[::-1]
 
 
-def _check(graph: Graph, vertex: int) -> None:
+def check_vertex(graph: Graph, vertex: int) -> int:
+    """Return ``vertex`` as a plain int, so that kernels see one type.
+
+    Raises
+    ------
+    IndexError
+        It is not a vertex of the graph.
+    """
+    if graph.n == 0:
+        raise IndexError(f"vertex {vertex} is not in a graph without vertices")
     if not 0 <= vertex < graph.n:
         raise IndexError(f"vertex {vertex} is not one of 0 … {graph.n - 1}")
+    return index(vertex)

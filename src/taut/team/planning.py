@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,16 +12,19 @@ import numpy as np
 
 from taut.certificate import Certificate, certify
 from taut.errors import NoPlanFound, SceneError
+from taut.graph import WEIGHTS, Weight
 from taut.motion import Plan
 from taut.scene import Scene
-from taut.team.detours import explain
+from taut.team.conflicts import conflicts_met, why_later
+from taut.team.mrppa import mrppa_stages
 from taut.team.prioritized import MOST_ROUNDS, Round, plan_rounds
+from taut.team.stages import SequenceStage, Stage
 from taut.team.world import World
 from taut.validation import validate
 
 Order = Literal["shortest", "longest", "given"]
 ORDERS: tuple[Order, ...] = ("shortest", "longest", "given")
-METHODS = ("prioritized",)
+METHODS = ("prioritized", "mrppa")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,7 @@ class Result:
     notes : what was found remarkable in the scene.
     shortest : (n,) metres, shortest length of each robot alone.
     detours : per robot, why it is not shorter or earlier; "" if nothing delayed it.
+    stages : what was done, step by step: those of MRPPA with that method, and always the planning in sequence.
     """
 
     plan: Plan
@@ -42,6 +46,7 @@ class Result:
     notes: tuple[str, ...]
     shortest: np.ndarray
     detours: tuple[str, ...]
+    stages: tuple[Stage, ...]
 
 
 def plan(
@@ -52,17 +57,23 @@ def plan(
     rounds: int | None = None,
     seconds: float | None = None,
     progress: Callable[[int, int], None] | None = None,
+    weight: Weight | str | None = None,
+    split: Sequence[str] | None = None,
 ) -> Result:
     """Plan the team and certify the plan.
 
     Parameters
     ----------
-    method : "prioritized": robots one after another, failed ones moved to the front and all planned anew.
+    method : "prioritized": robots one after another, failed ones moved to the front and all planned anew. "mrppa": the
+        same with the stages of the thesis before it: the visibility graph cut in two and bridged by λ2.
     order : who is planned first: "shortest" or "longest" way (by time), or as "given" in the scene.
     seed : of the shuffles that break a cycle of orders; same input, seed and rounds give the same plan, bit for bit.
     rounds : greatest number of passes over the team, 24 by default.
     seconds : passes after the first are given up after this time.
     progress : called after each pass with its number and how many robots failed in it.
+    weight : with "mrppa": weight in λ2 of an edge, from its length; a name of `taut.graph.WEIGHTS` or a function of
+        an array of metres. By default "one": a distance would reward the longest edge.
+    split : with "mrppa": names of one side of the cut ("O1", "R1 start", "R2 goal") instead of the Fiedler vector's.
 
     Raises
     ------
@@ -85,19 +96,21 @@ def plan(
         raise SceneError(f"seed must be at least 0, got {seed}")
     if seconds is not None and not seconds > 0:
         raise SceneError(f"seconds must be positive, got {seconds}")
+    weigh = _weight(method, weight)
+    if split is not None and method != "mrppa":
+        raise SceneError('split belongs to the method "mrppa"')
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
     world = World(scene)
     shortest = np.array([route.length for route in world.routes])
+    first = _first_order(scene, shortest, order)
+    graph_stages = mrppa_stages(scene, first, weigh, split) if method == "mrppa" else ()
     until = math.inf if seconds is None else began + seconds
-    best, done = plan_rounds(
-        world, _first_order(scene, shortest, order), np.random.default_rng(seed), most, until, progress
-    )
+    best, done = plan_rounds(world, first, np.random.default_rng(seed), most, until, progress)
     if best.failures:
         raise _no_plan(scene, best, done)
     found = [t for t in best.trajectories if t is not None]
-    starts = np.array([r.start_time for r in scene.robots])
     speeds = np.array([r.speed for r in scene.robots])
     planner = {
         "method": method,
@@ -110,7 +123,20 @@ def plan(
     draft = Plan(scene, tuple(found), planner, {}, bound)
     certificate = certify(draft)
     final = Plan(scene, draft.trajectories, planner, {}, bound, certificate.as_dict())
-    return Result(final, certificate, notes, shortest, explain(world, draft, starts + shortest / speeds))
+    met = conflicts_met(world, best)
+    names = [robot.name for robot in scene.robots]
+    sequence = SequenceStage(final, tuple(names[i] for i in best.order), dict(zip(names, met, strict=True)))
+    return Result(final, certificate, notes, shortest, tuple(map(why_later, met)), (*graph_stages, sequence))
+
+
+def _weight(method: str, weight: Weight | str | None) -> Weight:
+    if weight is not None and method != "mrppa":
+        raise SceneError('weight belongs to the method "mrppa"')
+    if isinstance(weight, str):
+        if weight not in WEIGHTS:
+            raise SceneError(f"weight {weight!r} is not one of {', '.join(WEIGHTS)}")
+        return WEIGHTS[weight]
+    return WEIGHTS["one"] if weight is None else weight
 
 
 def _first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:

@@ -28,11 +28,13 @@ class Round:
     Parameters
     ----------
     order : robots in the sequence in which they were planned.
+    hold : seconds after their start times for which the starts of robots not planned yet were held.
     trajectories : per robot of the scene, None where it failed.
     failures : in the order in which they happened.
     """
 
     order: tuple[int, ...]
+    hold: float
     trajectories: tuple[Trajectory | None, ...]
     failures: tuple[Failure, ...]
 
@@ -60,7 +62,7 @@ def plan_in_order(world: World, order: Sequence[int], hold: float, until: float 
         else:
             trajectories[i] = motion
             reservations.take(i, motion)
-    return Round(tuple(order), tuple(trajectories), tuple(failures))
+    return Round(tuple(order), hold, tuple(trajectories), tuple(failures))
 
 
 def rounds(world: World, order: Sequence[int], rng: np.random.Generator, until: float = math.inf) -> Iterator[Round]:

@@ -103,3 +103,12 @@ class Reservations:
             self._following,
             self._entries,
         )
+
+
+def distances_from(legs: Floats, place: Floats) -> Floats:
+    """Metres from the nearest point of each leg (k, 6) to the place, (k,)."""
+    a, b = legs[:, 0:2], legs[:, 3:5]
+    e = b - a
+    square = (e * e).sum(axis=1)
+    f = np.clip(((place - a) * e).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
+    return np.asarray(np.hypot(*(a + f[:, None] * e - place).T))

@@ -11,7 +11,7 @@ import numpy as np
 from taut.motion import Trajectory
 from taut.team import _kernels
 from taut.team._kernels import Floats
-from taut.team.reservations import Reservations
+from taut.team.reservations import Reservations, distances_from
 from taut.team.world import World
 
 Stamp: TypeAlias = tuple[float, float, float]
@@ -102,15 +102,6 @@ def _in_the_way(world: World, i: int, stuck: int, when: float, reservations: Res
     around = shared.reach if math.isfinite(shared.reach) else 0.0
     near = []
     for place, since, more in ((here, when, around), (np.array(robot.goal), 0.0, 0.0)):
-        away = np.hypot(*(_closest(legs, place) - place).T)
-        close = away < robot.radius + radii + scene.gap + more
+        close = distances_from(legs, place) < robot.radius + radii + scene.gap + more
         near += robots[close & (legs[:, 5] >= since) & (robots != i) & (robots >= 0)].tolist()
     return tuple(sorted(set(near)))
-
-
-def _closest(legs: Floats, place: Floats) -> Floats:
-    a, b = legs[:, 0:2], legs[:, 3:5]
-    e = b - a
-    square = (e * e).sum(axis=1)
-    f = np.clip(((place - a) * e).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
-    return np.asarray(a + f[:, None] * e)
