@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapely
-from mpmath import mp, mpf  # type: ignore[import-untyped]
+from mpmath import mp, mpf
 from numpy.typing import NDArray
 
 from taut.motion import Plan, Trajectory

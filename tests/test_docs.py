@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import shlex
 from dataclasses import dataclass
@@ -9,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
+import taut
 from taut.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
-WITH_COMMANDS = {"README.md", "start.md", "files.md"}
-WITH_PYTHON = {"README.md", "start.md", "meanings.md", "files.md", "thesis.md"}
+WITH_COMMANDS = {"README.md", "start.md", "files.md", "graphs.md", "mrppa.md"}
+WITH_PYTHON = {"README.md", "start.md", "meanings.md", "files.md", "thesis.md", "graphs.md", "mrppa.md"}
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,15 @@ def test_every_page_is_reached_from_the_readme() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for page in (ROOT / "docs").glob("*.md"):
         assert f"(docs/{page.name})" in text
+
+
+def test_the_page_on_mrppa_tells_what_planning_tells_now() -> None:
+    place = importlib.util.spec_from_file_location("make_mrppa", ROOT / "docs" / "make_mrppa.py")
+    assert place is not None and place.loader is not None
+    maker = importlib.util.module_from_spec(place)
+    place.loader.exec_module(maker)
+    results = {name: taut.plan(taut.load_scene(name), method="mrppa") for name in maker.SCENES}
+    assert maker.page(results) == (ROOT / "docs" / "mrppa.md").read_text(encoding="utf-8")
 
 
 def test_every_command_is_documented() -> None:

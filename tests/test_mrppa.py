@@ -73,9 +73,9 @@ def parts(ground: Ground, edges: Bools) -> tuple[int, np.ndarray]:
 def lengths_from(ground: Ground, edges: Bools, source: np.int64) -> Floats:
     pairs = ground.roadmap.edges[edges]
     n = len(ground.names)
-    matrix: Any = csr_array((ground.roadmap.lengths[edges], pairs.T), shape=(n, n))
-    distances: Any = csgraph.dijkstra(matrix, False, int(source))
-    return np.asarray(distances)
+    matrix = csr_array((ground.roadmap.lengths[edges], pairs.T), shape=(n, n))
+    search: Any = csgraph.dijkstra
+    return np.asarray(search(matrix, directed=False, indices=int(source)))
 
 
 @pytest.mark.parametrize("name", READY)

@@ -14,6 +14,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from taut import control as control
     from taut import graph as graph
     from taut.certificate import Certificate, certify
     from taut.errors import (
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
         StartBlocked,
         TautError,
     )
-    from taut.figures import animate, draw, save_figure
+    from taut.figures import animate, draw, save_figure, save_stages
     from taut.formats import load_plan, load_scene, save
     from taut.freespace import FreeSpace
     from taut.generate import random_scene
@@ -64,6 +65,7 @@ __all__ = [
     "__version__",
     "animate",
     "certify",
+    "control",
     "draw",
     "graph",
     "load_plan",
@@ -72,6 +74,7 @@ __all__ = [
     "random_scene",
     "save",
     "save_figure",
+    "save_stages",
     "shortest_path",
     "validate",
     "visibility_graph",
@@ -91,7 +94,7 @@ if not TYPE_CHECKING:
             "StartBlocked",
             "TautError",
         ),
-        "taut.figures": ("animate", "draw", "save_figure"),
+        "taut.figures": ("animate", "draw", "save_figure", "save_stages"),
         "taut.formats": ("load_plan", "load_scene", "save"),
         "taut.freespace": ("FreeSpace",),
         "taut.generate": ("random_scene",),
@@ -111,8 +114,8 @@ if not TYPE_CHECKING:
             from importlib.metadata import version
 
             value: object = version("taut")
-        elif name == "graph":
-            value = importlib.import_module("taut.graph")
+        elif name in ("control", "graph"):
+            value = importlib.import_module(f"taut.{name}")
         elif name in _HOME_OF:
             value = getattr(importlib.import_module(_HOME_OF[name]), name)
         else:

@@ -23,6 +23,13 @@ class WeightName(StrEnum):
     distance = "distance"
 
 
+class EdgeKind(StrEnum):
+    """Which edges a visibility graph has."""
+
+    all = "all"
+    tangent = "tangent"
+
+
 class Order(StrEnum):
     """Who is planned first."""
 

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from taut.cli.output import say, say_facts
 from taut.cli.tables import say_table
+from taut.errors import NoPath
 
 if TYPE_CHECKING:
     from taut.certificate import Certificate
     from taut.motion import Plan
-    from taut.scene import Scene
+    from taut.scene import Robot, Scene
     from taut.team.stages import Stage
 
 Report: TypeAlias = dict[str, Any]
@@ -57,6 +58,27 @@ def say_scene(report: Report) -> None:
             ("at the goal", str(report["at_goal"])),
         ]
     )
+
+
+def reach_report(scene: Scene, robots: Sequence[Robot]) -> list[Report]:
+    """Find the shortest length of every robot given; None with the reason where it cannot reach its goal."""
+    from taut.freespace import FreeSpace
+    from taut.roadmap import VisibilityGraph, visibility_graph
+    from taut.route import shortest_routes
+
+    spaces: dict[float, tuple[FreeSpace, VisibilityGraph]] = {}
+    out: list[Report] = []
+    for robot in robots:
+        growth = scene.growth(robot)
+        if growth not in spaces:
+            free = FreeSpace(scene, growth)
+            spaces[growth] = free, visibility_graph(free)
+        try:
+            route = shortest_routes(*spaces[growth], [robot.start], [robot.goal])[0]
+            out.append({"name": robot.name, "shortest": route.length, "reason": ""})
+        except NoPath as error:
+            out.append({"name": robot.name, "shortest": None, "reason": error.reason})
+    return out
 
 
 def certificate_facts(certificate: Certificate) -> list[tuple[str, str]]:

@@ -1,21 +1,20 @@
-"""The commands about scenes: check, graph, random, scenes, warmup."""
+"""The commands about scenes: check, random, scenes, warmup."""
 
 from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from taut.cli.options import JsonOption, SceneArgument
 from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
-from taut.cli.reports import say_scene, scene_report
+from taut.cli.reports import reach_report, say_scene, scene_report
 from taut.cli.tables import say_table
-from taut.errors import NoPath
 
 if TYPE_CHECKING:
-    from taut.scene import Robot, Scene
+    from taut.scene import Scene
 
 SCENES = (".yaml", ".yml", ".json", ".geojson")
 
@@ -28,7 +27,7 @@ def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
     world = load_scene(scene)
     with about(scene), progress("looking for paths"):
         notes = validate(world)
-        robots = _reach(world)
+        robots = reach_report(world, world.robots)
     cut_off = [robot for robot in robots if robot["shortest"] is None]
     if as_json:
         say_json({"ok": not cut_off, **scene_report(world), "notes": list(notes), "reach": robots})
@@ -45,48 +44,6 @@ def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
     if cut_off:
         first = cut_off[0]["name"]
         complain(f"{scene}: {len(cut_off)} of {len(robots)} robots cannot reach their goals, the first is {first}")
-
-
-def graph(scene: SceneArgument, as_json: JsonOption = False) -> None:
-    """Count the visibility graph: vertices, edges, corners and parts for each size of robot."""
-    from taut.formats import load_scene
-    from taut.freespace import FreeSpace
-    from taut.roadmap import visibility_graph
-    from taut.validation import validate
-
-    world = load_scene(scene)
-    sizes: list[dict[str, Any]] = []
-    with about(scene), progress("building the visibility graph"):
-        validate(world)
-        for growth in sorted({world.growth(robot) for robot in world.robots}) or [world.clearance]:
-            free = FreeSpace(world, growth)
-            team = [robot for robot in world.robots if world.growth(robot) == growth]
-            ends = _ends(team)
-            tangent, every = (visibility_graph(free, edges=kind, points=ends) for kind in ("tangent", "all"))
-            sizes.append(
-                {
-                    "growth": growth,
-                    "robots": len(team),
-                    "vertices": every.graph.n,
-                    "edges": every.graph.m,
-                    "corners": tangent.graph.n - len(ends),
-                    "tangent_edges": tangent.graph.m,
-                    "parts": free.parts,
-                    "area": free.area,
-                }
-            )
-        robots = _reach(world)
-    if as_json:
-        say_json({"scene": world.name, "sizes": sizes, "robots": robots})
-        return
-    heads = ["growth (m)", "robots", "vertices", "edges", "corners", "tangent edges", "parts", "free area (m²)"]
-    keys = ["robots", "vertices", "edges", "corners", "tangent_edges", "parts"]
-    rows = [[f"{s['growth']:g}", *(str(s[key]) for key in keys), f"{s['area']:.4f}"] for s in sizes]
-    say_table(heads, rows, left=())
-    if robots:
-        say()
-        lengths = [[r["name"], "no path" if r["shortest"] is None else f"{r['shortest']:.4f}"] for r in robots]
-        say_table(["robot", "shortest (m)"], lengths, left=("robot",))
 
 
 def random(
@@ -176,32 +133,6 @@ def warmup(as_json: JsonOption = False) -> None:
         say(f"ready: compiled, planned and certified a small scene in {elapsed:.2f} s")
     if not certificate.ok:
         complain("the plan of the small scene does not hold")
-
-
-def _reach(scene: Scene) -> list[dict[str, Any]]:
-    """Find the shortest length of every robot; None with the reason where it cannot reach its goal."""
-    from taut.freespace import FreeSpace
-    from taut.roadmap import VisibilityGraph, visibility_graph
-    from taut.route import shortest_routes
-
-    spaces: dict[float, tuple[FreeSpace, VisibilityGraph]] = {}
-    out: list[dict[str, Any]] = []
-    for robot in scene.robots:
-        growth = scene.growth(robot)
-        if growth not in spaces:
-            free = FreeSpace(scene, growth)
-            spaces[growth] = free, visibility_graph(free)
-        try:
-            route = shortest_routes(*spaces[growth], [robot.start], [robot.goal])[0]
-            out.append({"name": robot.name, "shortest": route.length, "reason": ""})
-        except NoPath as error:
-            out.append({"name": robot.name, "shortest": None, "reason": error.reason})
-    return out
-
-
-def _ends(robots: list[Robot]) -> list[tuple[float, float]]:
-    """List starts and goals, each place once: shared goals are one vertex."""
-    return list(dict.fromkeys(point for robot in robots for point in (robot.start, robot.goal)))
 
 
 def _range(text: str, option: str) -> float | tuple[float, float]:

@@ -1,7 +1,28 @@
 """Pictures and animations with matplotlib, drawn on figures of their own: no backend is chosen, no window opened."""
 
+from taut.figures.album import save_stages
 from taut.figures.animation import animate
+from taut.figures.graphs import Portrait, draw_portraits, draw_values, save_portraits
 from taut.figures.pictures import draw
 from taut.figures.saving import png_bytes, save_figure, svg_text
+from taut.figures.searches import animate_search, draw_step, save_steps
+from taut.figures.spectra import draw_matrix, draw_sorted, draw_spectrum
 
-__all__ = ["animate", "draw", "png_bytes", "save_figure", "svg_text"]
+__all__ = [
+    "Portrait",
+    "animate",
+    "animate_search",
+    "draw",
+    "draw_matrix",
+    "draw_portraits",
+    "draw_sorted",
+    "draw_spectrum",
+    "draw_step",
+    "draw_values",
+    "png_bytes",
+    "save_figure",
+    "save_portraits",
+    "save_stages",
+    "save_steps",
+    "svg_text",
+]

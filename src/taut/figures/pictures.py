@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation
 
 from taut.figures.canvas import View, sheet, show, size_in_points, view_of
-from taut.figures.labels import text_size, write
+from taut.figures.labels import Label, text_size, write
 from taut.figures.maps import draw_free_space, draw_graph, draw_map, name_obstacles, outlines, scene_view
 from taut.figures.plans import (
     CLOCK,
@@ -48,8 +49,8 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
 
     Parameters
     ----------
-    value : Scene, Plan, a result with a `plan`, Roadmap (`positions` (n, 2) and `edges` (m, 2)), FreeSpace (`region`,
-        a shapely geometry) or Route (`points` (k, 2)).
+    value : Scene, Plan, a result with a `plan`, a stage of planning, Roadmap (`positions` (n, 2) and `edges` (m, 2)),
+        FreeSpace (`region`, a shapely geometry) or Route (`points` (k, 2)).
     ax : matplotlib Axes to draw on; a new figure of fitting size if None (it does not touch pyplot).
     graph : anything with `positions` and `edges`, drawn thin and grey under robots and paths.
     time : seconds; shows the robots of a plan as solid discs where they are then.
@@ -61,19 +62,27 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
     Raises
     ------
     TypeError
-        A value of another kind, or `time` with anything but a plan.
+        A value of another kind, `time` with anything but a plan, or `graph` with a stage.
     OutputError
         Coordinates with which no picture can be made.
     """
-    value = getattr(value, "plan", value)
+    stage = _is_stage(value)
+    if not stage:
+        value = getattr(value, "plan", value)
     if time is not None and not isinstance(value, Plan):
         raise TypeError(f"time= needs a Plan, got {type(value).__name__}")
+    if graph is not None and stage:
+        raise TypeError(f"graph= does not go with a {type(value).__name__}, which shows its own graph")
     view = _view(value)
     if ax is None:
         ax = sheet(view)
     else:
         show(ax, view)
-    if isinstance(value, Plan):
+    if stage:
+        from taut.figures.stages import draw_stage
+
+        draw_stage(ax, value)
+    elif isinstance(value, Plan):
         _draw_plan(ax, within_reach(value, view), graph, time)
     elif isinstance(value, Scene):
         _draw_scene(ax, value, graph)
@@ -82,7 +91,14 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
     return ax
 
 
+def _is_stage(value: Any) -> bool:
+    # by where it comes from: importing the planner to draw a map would cost a second
+    return type(value).__module__ == "taut.team.stages"
+
+
 def _view(value: Any) -> View:
+    if _is_stage(value):
+        return _view(value.ground.freespace if hasattr(value, "ground") else value.plan)
     if isinstance(value, Plan):
         box = scene_view(value.scene)
         points = np.vstack([np.empty((0, 2)), *(t.points for t in value.trajectories)])
@@ -119,33 +135,19 @@ def _draw_scene(axes: Axes, scene: Scene, graph: Any) -> None:
         names = start_labels(axes, scene, [r.name for r in scene.robots], [START] * n)
         lines = samples(axes, [*(np.array([r.start, r.goal]) for r in scene.robots), *outlines(scene)])
         write(axes, [*names, *goal_labels(axes, scene)], end_marks(axes, scene.robots, n), lines)
-    _title(axes, scene.name, _count(n, "robot") + " · " + _count(len(scene.obstacles), "obstacle"))
-    _legend(axes, [*_end_handles(scene), *_graph_handles(graph)])
+    write_title(axes, scene.name, count(n, "robot") + " · " + count(len(scene.obstacles), "obstacle"))
+    write_legend(axes, [*end_handles(scene), *_graph_handles(graph)])
 
 
 def _draw_plan(axes: Axes, plan: Plan, graph: Any, time: float | None) -> None:
     scene, n = plan.scene, len(plan.trajectories)
-    colours = robot_colours(n)
-    routes = [route_of(t) for t in plan.trajectories]
-    draw_map(axes, scene)
-    name_obstacles(axes, scene)
     if graph is not None:
         draw_graph(axes, graph)
-    if n <= FEW_ROBOTS:
-        draw_sweeps(axes, plan, colours)
-    draw_paths(axes, routes, colours)
-    draw_arrows(axes, routes, colours)
-    draw_ends(axes, scene, pale(colours))
-    waits = draw_waits(axes, plan, colours)
-    if n <= FEW_ROBOTS:
-        texts = [_name(r.name, first_wait(t)) for r, t in zip(scene.robots, plan.trajectories, strict=True)]
-        labels = [*start_labels(axes, scene, texts, colours), *waits]
-        marks = [*end_marks(axes, scene.robots, n), *((label.at, label.reach) for label in waits)]
-        write(axes, labels, marks, samples(axes, [*routes, *outlines(scene)]))
+    handles = draw_motions(axes, plan)
     if time is not None:
-        draw_team(axes, scene.robots, present_at(plan, time), colours)
+        draw_team(axes, scene.robots, present_at(plan, time), robot_colours(n))
     facts = [
-        _count(n, "robot"),
+        count(n, "robot"),
         f"last arrival {in_seconds(plan.makespan)}",
         f"sum of costs {in_seconds(plan.sum_of_costs)}",
     ]
@@ -153,10 +155,32 @@ def _draw_plan(axes: Axes, plan: Plan, graph: Any, time: float | None) -> None:
         facts.append("certified")
     if time is not None:
         facts = [f"t = {in_seconds(time)}", *facts]
-    _title(axes, scene.name, " · ".join(facts), " · ".join(facts[:2]))
+    write_title(axes, scene.name, " · ".join(facts), " · ".join(facts[:2]))
+    write_legend(axes, [*handles, *_graph_handles(graph)])
+
+
+def draw_motions(axes: Axes, plan: Plan, labels: Sequence[Label] = ()) -> list[Line2D]:
+    """Draw map, paths, ends and waits of a plan, with these labels beside its own; return what its legend holds."""
+    scene, n = plan.scene, len(plan.trajectories)
+    colours = robot_colours(n)
+    routes = [route_of(t) for t in plan.trajectories]
+    draw_map(axes, scene)
+    name_obstacles(axes, scene)
+    if n <= FEW_ROBOTS:
+        draw_sweeps(axes, plan, colours)
+    draw_paths(axes, routes, colours)
+    draw_arrows(axes, routes, colours)
+    draw_ends(axes, scene, pale(colours))
+    waits = draw_waits(axes, plan, colours)
+    own: list[Label] = []
+    if n <= FEW_ROBOTS:
+        texts = [_name(r.name, first_wait(t)) for r, t in zip(scene.robots, plan.trajectories, strict=True)]
+        own = [*start_labels(axes, scene, texts, colours), *waits]
+    marks = [*end_marks(axes, scene.robots, n), *((label.at, label.reach) for label in (*waits, *labels))]
+    write(axes, [*labels, *own], marks, samples(axes, [*routes, *outlines(scene)]))
     on_the_way = any(t0 > 0 for t in plan.trajectories for t0, *_ in t.waits)
-    clock = [_handle("wait", CLOCK, "white", INK)] if on_the_way else []
-    _legend(axes, [*_end_handles(scene), *clock, *_graph_handles(graph)])
+    clock = [handle("wait", CLOCK, "white", INK)] if on_the_way else []
+    return [*end_handles(scene), *clock]
 
 
 def _draw_part(axes: Axes, value: Any, graph: Any) -> None:
@@ -173,7 +197,7 @@ def _draw_part(axes: Axes, value: Any, graph: Any) -> None:
     if hasattr(value, "edges") and hasattr(value, "positions"):
         draw_graph(axes, value)
         vertices, edges = len(value.positions), len(value.edges)
-        _title(axes, "", f"{_count(vertices, 'vertex', 'vertices')} · {_count(edges, 'edge')}")
+        write_title(axes, "", f"{count(vertices, 'vertex', 'vertices')} · {count(edges, 'edge')}")
     elif hasattr(value, "points") and not hasattr(value, "region"):
         route = np.asarray(value.points, dtype=np.float64).reshape(-1, 2)
         colours = robot_colours(1)
@@ -183,7 +207,7 @@ def _draw_part(axes: Axes, value: Any, graph: Any) -> None:
             axes.scatter(
                 [place[0]], [place[1]], s=40, c=colour, marker=marker, edgecolors="white", linewidths=0.8, zorder=6
             )
-        _title(axes, "", f"length {np.hypot(*np.diff(route, axis=0).T).sum():.4f} m")
+        write_title(axes, "", f"length {np.hypot(*np.diff(route, axis=0).T).sum():.4f} m")
 
 
 def present_at(plan: Plan, time: float) -> FloatArray:
@@ -199,19 +223,21 @@ def _name(name: str, wait: float) -> str:
     return f"{name}, waits {in_seconds(wait)}" if wait else name
 
 
-def _count(n: int, one: str, many: str = "") -> str:
+def count(n: int, one: str, many: str = "") -> str:
+    """Return the number with its noun in singular or plural."""
     return f"{n:,} {one if n == 1 else many or one + 's'}".replace(",", "\u202f")
 
 
-def _title(axes: Axes, name: str, facts: str, fewer: str = "") -> None:
-    """Write the name bold on the left and as many facts as there is room for on the right."""
+def write_title(axes: Axes, name: str, *facts: str) -> None:
+    """Write the name bold on the left, and on the right the first of the facts that there is room for."""
     room = size_in_points(axes)[0] - text_size(name, 10.5)[0]
     axes.set_title(name, loc="left", fontsize=10.5, fontweight="bold", color=INK, pad=7, parse_math=False)
-    fits = next((text for text in (facts, fewer) if text_size(text, 8.5)[0] * 0.85 < room), "")
+    fits = next((text for text in facts if text_size(text, 8.5)[0] * 0.85 < room), "")
     axes.set_title(fits, loc="right", fontsize=8.5, color=QUIET, pad=7)
 
 
-def _handle(label: str, marker: Any, face: str, edge: str) -> Line2D:
+def handle(label: str, marker: Any, face: str, edge: str) -> Line2D:
+    """Return a mark for the legend."""
     style: dict[str, Any] = {
         "markersize": 6.5,
         "markerfacecolor": face,
@@ -221,39 +247,44 @@ def _handle(label: str, marker: Any, face: str, edge: str) -> Line2D:
     return Line2D([], [], linestyle="none", marker=marker, label=label, **style)
 
 
-def _end_handles(scene: Scene) -> list[Line2D]:
+def end_handles(scene: Scene) -> list[Line2D]:
+    """Return the marks of starts and goals for the legend, if there are robots."""
     if not scene.robots:
         return []
-    return [_handle("start", "o", START, "white"), _handle("goal", "D", GOAL, "white")]
+    return [handle("start", "o", START, "white"), handle("goal", "D", GOAL, "white")]
 
 
 def end_legend(axes: Axes, scene: Scene) -> None:
     """Put the legend for starts and goals under the axes."""
-    _legend(axes, _end_handles(scene))
+    write_legend(axes, end_handles(scene))
 
 
 def _graph_handles(graph: Any) -> list[Line2D]:
     if graph is None:
         return []
-    return [Line2D([], [], color=GRAPH, linewidth=1.0, label=f"graph, {_count(len(graph.edges), 'edge')}")]
+    return [Line2D([], [], color=GRAPH, linewidth=1.0, label=f"graph, {count(len(graph.edges), 'edge')}")]
 
 
-def _legend(axes: Axes, handles: list[Line2D]) -> None:
-    """Put a one-line legend under the axes."""
+def write_legend(axes: Axes, handles: list[Line2D]) -> None:
+    """Put a legend under the axes: one line, or two smaller ones where that would be too wide."""
     if not handles:
         return
-    below = axes.transAxes + ScaledTranslation(0, -16 / 72, axes.figure.dpi_scale_trans)
+    needed = sum(27.0 + 0.85 * text_size(str(mark.get_label()), 8)[0] for mark in handles)
+    room = size_in_points(axes)[0] - 2 * 34.0  # "metres" stands at the right end
+    wraps = needed > room and len(handles) > 2
+    below = axes.transAxes + ScaledTranslation(0, (-14 if wraps else -16) / 72, axes.figure.dpi_scale_trans)
     legend = axes.legend(
         handles=handles,
         loc="upper center",
         bbox_to_anchor=(0.5, 0),
         bbox_transform=below,
-        ncols=len(handles),
+        ncols=-(-len(handles) // 2) if wraps else len(handles),
         frameon=False,
-        fontsize=8,
+        fontsize=7 if wraps else 8,
         handlelength=1.5,
         handletextpad=0.45,
         columnspacing=1.4,
+        labelspacing=0.25,
         borderaxespad=0,
         labelcolor=INK,
     )

@@ -75,75 +75,114 @@ def dijkstra(indptr: Ints, indices: Ints, weights: Floats, source: int) -> tuple
 
 
 @kernel
+def _longer(a: Ints) -> Ints:
+    """Copy to twice the length; a loop, because slice assignment compiles ten times as long."""
+    out = np.empty(2 * a.shape[0], dtype=np.int64)
+    for i in range(a.shape[0]):
+        out[i] = a[i]
+    return out
+
+
+@kernel
+def _longer_keys(a: Floats) -> Floats:
+    out = np.empty(2 * a.shape[0])
+    for i in range(a.shape[0]):
+        out[i] = a[i]
+    return out
+
+
+@kernel
 def astar(
     indptr: Ints,
     indices: Ints,
     weights: Floats,
     positions: Floats,
-    source: Floats,
+    sources: Floats,
+    first_start: Ints,
     first: Ints,
-    target: Floats,
+    targets: Floats,
+    last_start: Ints,
     last: Ints,
-) -> tuple[float, Ints]:
-    """Length and vertices of a shortest path between two places off the graph (inf, empty if none).
+) -> tuple[Floats, Ints, Ints]:
+    """Shortest paths between places off the graph, k queries: lengths, and the vertices passed as CSR (start, path).
 
-    ``first`` are the vertices joined straight with the place ``source``, ``last`` those joined with ``target``. Weights
-    must be at least the Euclidean distances.
+    ``first[first_start[q]:first_start[q + 1]]`` are the vertices joined straight with the place ``sources[q]``, and
+    ``last`` those joined with ``targets[q]``. Weights must be at least the Euclidean distances. Without a path inf.
     """
     n = indptr.shape[0] - 1
-    distance = np.full(n + 1, np.inf)
-    before = np.full(n + 1, -1, dtype=np.int64)
-    done = np.zeros(n + 1, dtype=np.bool_)
-    ends = np.zeros(n, dtype=np.bool_)
-    for v in last:
-        ends[v] = True
-    keys = np.empty(first.shape[0] + indices.shape[0] + last.shape[0] + 1)
-    items = np.empty(keys.shape[0], dtype=np.int64)
-    size = 0
-    tx, ty = target[0], target[1]
-    for v in first:
-        distance[v] = np.sqrt((positions[v, 0] - source[0]) ** 2 + (positions[v, 1] - source[1]) ** 2)
-        estimate = np.sqrt((positions[v, 0] - tx) ** 2 + (positions[v, 1] - ty) ** 2)
-        _heap_push(keys, items, size, distance[v] + estimate, v)
-        size += 1
-    while size > 0:
-        u = items[0]
-        _heap_drop_first(keys, items, size)
-        size -= 1
-        if u == n:
-            break
-        if done[u]:
-            continue
-        done[u] = True
-        if ends[u]:
-            through = distance[u] + np.sqrt((positions[u, 0] - tx) ** 2 + (positions[u, 1] - ty) ** 2)
-            if through < distance[n]:
-                distance[n] = through
-                before[n] = u
-                _heap_push(keys, items, size, through, n)
-                size += 1
-        for k in range(indptr[u], indptr[u + 1]):
-            v = indices[k]
-            through = distance[u] + weights[k]
-            if through < distance[v] and not done[v]:
-                distance[v] = through
-                before[v] = u
-                estimate = np.sqrt((positions[v, 0] - tx) ** 2 + (positions[v, 1] - ty) ** 2)
-                _heap_push(keys, items, size, through + estimate, v)
-                size += 1
-    if not np.isfinite(distance[n]):
-        return np.inf, np.empty(0, dtype=np.int64)
-    count = 0
-    v = before[n]
-    while v >= 0:
-        count += 1
-        v = before[v]
-    path = np.empty(count, dtype=np.int64)
-    v = before[n]
-    for i in range(count - 1, -1, -1):
-        path[i] = v
-        v = before[v]
-    return distance[n], path
+    count = sources.shape[0]
+    lengths = np.full(count, np.inf)
+    path_start = np.zeros(count + 1, dtype=np.int64)
+    path = np.empty(16 * count + 1, dtype=np.int64)
+    filled = 0
+    distance = np.empty(n + 1)
+    before = np.empty(n + 1, dtype=np.int64)
+    # what belongs to the query at hand: 2 q + 1 once a vertex is seen, 2 q + 2 once it is done
+    state = np.zeros(n + 1, dtype=np.int64)
+    ends = np.full(n, -1, dtype=np.int64)
+    keys = np.empty(256)
+    items = np.empty(256, dtype=np.int64)
+    for q in range(count):
+        seen, done = 2 * q + 1, 2 * q + 2
+        tx, ty = targets[q, 0], targets[q, 1]
+        for k in range(last_start[q], last_start[q + 1]):
+            ends[last[k]] = q
+        size = 0
+        for k in range(first_start[q], first_start[q + 1]):
+            v = first[k]
+            x, y = positions[v, 0], positions[v, 1]
+            distance[v] = np.sqrt((x - sources[q, 0]) ** 2 + (y - sources[q, 1]) ** 2)
+            before[v] = -1
+            state[v] = seen
+            if size == keys.shape[0]:
+                keys, items = _longer_keys(keys), _longer(items)
+            _heap_push(keys, items, size, distance[v] + np.sqrt((x - tx) ** 2 + (y - ty) ** 2), v)
+            size += 1
+        while size > 0:
+            u = items[0]
+            _heap_drop_first(keys, items, size)
+            size -= 1
+            if state[u] == done:
+                continue
+            state[u] = done
+            if u == n:
+                break
+            if ends[u] == q:
+                through = distance[u] + np.sqrt((positions[u, 0] - tx) ** 2 + (positions[u, 1] - ty) ** 2)
+                if state[n] < seen or through < distance[n]:
+                    distance[n], before[n], state[n] = through, u, seen
+                    if size == keys.shape[0]:
+                        keys, items = _longer_keys(keys), _longer(items)
+                    _heap_push(keys, items, size, through, n)
+                    size += 1
+            for k in range(indptr[u], indptr[u + 1]):
+                v = indices[k]
+                if state[v] == done:
+                    continue
+                through = distance[u] + weights[k]
+                if state[v] < seen or through < distance[v]:
+                    distance[v], before[v], state[v] = through, u, seen
+                    estimate = np.sqrt((positions[v, 0] - tx) ** 2 + (positions[v, 1] - ty) ** 2)
+                    if size == keys.shape[0]:
+                        keys, items = _longer_keys(keys), _longer(items)
+                    _heap_push(keys, items, size, through + estimate, v)
+                    size += 1
+        if state[n] == done:
+            lengths[q] = distance[n]
+            steps = 0
+            v = before[n]
+            while v >= 0:
+                steps += 1
+                v = before[v]
+            while filled + steps > path.shape[0]:
+                path = _longer(path)
+            v = before[n]
+            for i in range(filled + steps - 1, filled - 1, -1):
+                path[i] = v
+                v = before[v]
+            filled += steps
+        path_start[q + 1] = filled
+    return lengths, path_start, path[:filled].copy()
 
 
 @kernel

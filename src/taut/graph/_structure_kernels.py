@@ -1,4 +1,4 @@
-"""Kernels of connectedness on CSR arrays: the edges and vertices whose loss cuts a graph."""
+"""Kernels of connectedness: the edges and vertices whose loss cuts a graph, and the edges that join it."""
 
 from __future__ import annotations
 
@@ -55,3 +55,22 @@ def cuts(indptr: Ints, indices: Ints) -> tuple[Bools, Bools]:
             u = above
         cut_vertex[root] = branches > 1
     return cut_edge, cut_vertex
+
+
+@kernel
+def joining(n: int, edges: Ints) -> NDArray[np.bool_]:
+    """Mark each edge whose ends the edges before it do not join (union-find, paths halved)."""
+    above = np.arange(n)
+    joins = np.zeros(edges.shape[0], dtype=np.bool_)
+    for e in range(edges.shape[0]):
+        u, v = edges[e, 0], edges[e, 1]
+        while above[u] != u:
+            above[u] = above[above[u]]
+            u = above[u]
+        while above[v] != v:
+            above[v] = above[above[v]]
+            v = above[v]
+        if u != v:
+            above[v] = u
+            joins[e] = True
+    return joins

@@ -10,12 +10,12 @@ from typing import Literal
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from taut.graph.components import components, connected, cut_edges, cut_vertices
+from taut.graph.connectedness import components, connected, cut_edges, cut_vertices
 from taut.graph.core import Graph, Ints
 from taut.graph.matrices import adjacency, degrees
 from taut.graph.resistance import kirchhoff_index
 from taut.graph.search import breadth_first
-from taut.graph.spectrum import algebraic_connectivity, fiedler_vector
+from taut.graph.spectral import algebraic_connectivity, fiedler_vector
 from taut.graph.trees import maximum_spanning_tree
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from taut.graph import _secular_kernels
-from taut.graph.components import components, cut_edges
+from taut.graph.connectedness import components, cut_edges
 from taut.graph.core import Floats, Graph, Ints
-from taut.graph.spectrum import Eigenpairs, algebraic_connectivity, eigenpairs
+from taut.graph.spectral import Eigenpairs, algebraic_connectivity, eigenpairs
 
 #: Values of λ2 that differ by less than this share of λ_max are equal.
 TIE = 1e-12

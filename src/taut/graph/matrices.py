@@ -33,8 +33,7 @@ def degrees(graph: Graph) -> Floats:
     [1.0, 3.0, 2.0]
     """
     tail = np.repeat(np.arange(graph.n), np.diff(graph.indptr))
-    sums = np.zeros(graph.n)
-    np.add.at(sums, tail, graph.weights)
+    sums = np.asarray(np.bincount(tail, weights=graph.weights, minlength=graph.n), dtype=np.float64)
     if not np.isfinite(sums).all():
         raise ValueError(f"the weights at vertex {int(np.argmin(np.isfinite(sums)))} sum to infinity: scale them down")
     return sums

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import null_space
 from scipy.sparse import csr_array
+from threadpoolctl import threadpool_limits
 
 from taut.graph import _rigidity_kernels as _kernels
 from taut.graph.core import Floats, Graph
@@ -157,7 +158,9 @@ def infinitesimally_rigid(graph: Graph, positions: ArrayLike) -> bool:
     >>> infinitesimally_rigid(square, [(0, 0), (1, 0), (1, 1), (0, 1)])
     True
     """
-    rank = int(np.linalg.matrix_rank(_unit_rows(graph, _checked(graph, positions))))
+    rows = _unit_rows(graph, _checked(graph, positions))
+    with threadpool_limits(1, user_api="blas"):
+        rank = int(np.linalg.matrix_rank(rows))
     return rank == _full_rank(graph.n)
 
 
@@ -176,7 +179,8 @@ def infinitesimal_motions(graph: Graph, positions: ArrayLike) -> Floats:
     points = _checked(graph, positions)
     if graph.n < 2:
         return np.empty((2 * graph.n, 0))
-    flexes = null_space(_unit_rows(graph, points))
+    with threadpool_limits(1, user_api="blas"):
+        flexes = null_space(_unit_rows(graph, points))
     whole = _motions_of_the_whole(points)
     basis, _ = np.linalg.qr(flexes.T @ whole, mode="complete")
     motions: Floats = flexes @ basis[:, whole.shape[1] :]

@@ -50,7 +50,9 @@ def astar_between(
     ``first`` are the vertices joined straight with the place ``source`` (2,), ``last`` those joined with ``target``;
     at least one vertex is passed. (inf, empty) without a path.
     """
-    return _kernels.astar(graph.indptr, graph.indices, graph.weights, positions, source, first, target, last)
+    ends = np.array([0, len(first)]), first, target[None], np.array([0, len(last)]), last
+    lengths, _, path = _kernels.astar(graph.indptr, graph.indices, graph.weights, positions, source[None], *ends)
+    return float(lengths[0]), path
 
 
 def breadth_first(graph: Graph, source: int) -> tuple[Ints, Ints]:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taut.graph.components import components
+from taut.graph.connectedness import components
 from taut.graph.core import Floats, Graph, Ints
-from taut.graph.spectrum import fiedler_vector
+from taut.graph.spectral import fiedler_vector
 
 Bools = NDArray[np.bool_]
 

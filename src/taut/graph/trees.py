@@ -10,10 +10,9 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taut.compiling import kernel
-from taut.graph.components import connected
+from taut.graph import _elimination_kernels, _structure_kernels
+from taut.graph.connectedness import connected
 from taut.graph.core import Graph, Ints
 from taut.graph.resistance import Elimination, eliminate
 
@@ -68,7 +67,7 @@ def spanning_tree_count(graph: Graph) -> int:
     count, modulus, primes = 0, 1, _primes()
     while modulus <= most:
         prime = next(primes)
-        rest = _pivot_product(done.start, done.columns, ones, prime)
+        rest = _elimination_kernels.pivot_product(done.start, done.columns, ones, prime)
         if rest >= 0:
             count += modulus * ((rest - count) * pow(modulus, -1, prime) % prime)
             modulus *= prime
@@ -99,7 +98,7 @@ def _unweighted(graph: Graph) -> Graph:
 def _grown(graph: Graph, order: Ints) -> Graph:
     """Forest of the edges, taken in this order, that close no cycle."""
     edges = graph.edges
-    kept = np.sort(order[_joining(graph.n, edges[order])])
+    kept = np.sort(order[_structure_kernels.joining(graph.n, edges[order])])
     return Graph.from_edges(graph.n, edges[kept], graph.lengths[kept])
 
 
@@ -117,87 +116,3 @@ def _primes() -> Iterator[int]:
     for candidate in range(2**31 - 1, 46341, -2):
         if (candidate % divisors).all():
             yield candidate
-
-
-@kernel
-def _joining(n: int, edges: Ints) -> NDArray[np.bool_]:
-    """Mark each edge whose ends the edges before it do not join (union-find, paths halved)."""
-    above = np.arange(n)
-    joins = np.zeros(edges.shape[0], dtype=np.bool_)
-    for e in range(edges.shape[0]):
-        u, v = edges[e, 0], edges[e, 1]
-        while above[u] != u:
-            above[u] = above[above[u]]
-            u = above[u]
-        while above[v] != v:
-            above[v] = above[above[v]]
-            v = above[v]
-        if u != v:
-            above[v] = u
-            joins[e] = True
-    return joins
-
-
-@kernel
-def _pivot_product(start: Ints, columns: Ints, weights: Ints, prime: int) -> int:
-    """Product of all pivots but the last one, modulo a prime; −1 if the prime divides one of them.
-
-    The elimination of `taut.graph.resistance`, where division by a pivot is multiplication by its inverse.
-    """
-    n = start.shape[0] - 1
-    values = weights.copy()
-    row = np.zeros(n, dtype=np.int64)
-    first = np.full(n, -1, dtype=np.int64)
-    following = np.full(n, -1, dtype=np.int64)
-    at = np.zeros(n, dtype=np.int64)
-    inverses = np.zeros(n, dtype=np.int64)
-    inverse = 1.0 / prime
-    product = 1
-    for k in range(n - 1):
-        for e in range(start[k], start[k + 1]):
-            row[columns[e]] = values[e]
-        i = first[k]
-        while i >= 0:
-            after = following[i]
-            a = at[i]
-            factor = values[a] * inverses[i] % prime
-            for b in range(a + 1, start[i + 1]):
-                row[columns[b]] = _residue(row[columns[b]] + factor * values[b], prime, inverse)
-            if a + 1 < start[i + 1]:
-                at[i] = a + 1
-                following[i] = first[columns[a + 1]]
-                first[columns[a + 1]] = i
-            i = after
-        pivot = 0
-        for e in range(start[k], start[k + 1]):
-            values[e] = row[columns[e]]
-            pivot = (pivot + values[e]) % prime
-        if pivot == 0:
-            return -1
-        product = product * pivot % prime
-        inverses[k] = _inverse(pivot, prime)
-        at[k] = start[k]
-        following[k] = first[columns[start[k]]]
-        first[columns[start[k]]] = k
-    return product
-
-
-@kernel
-def _residue(value: int, prime: int, inverse: float) -> int:
-    """Value modulo a prime, for 0 ≤ value < 2⁶³: several times as fast as the processor's division."""
-    rest = value - int(value * inverse) * prime  # the quotient is at most 1 off
-    if rest < 0:
-        return rest + prime
-    return rest - prime if rest >= prime else rest
-
-
-@kernel
-def _inverse(value: int, prime: int) -> int:
-    """value^(prime − 2), by Fermat's theorem the inverse of the value."""
-    power, result, exponent = value, 1, prime - 2
-    while exponent > 0:
-        if exponent & 1:
-            result = result * power % prime
-        power = power * power % prime
-        exponent >>= 1
-    return result
