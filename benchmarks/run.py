@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import geometry
+import graphs
 import page
 import startup
 import team
@@ -33,13 +34,15 @@ def main() -> None:
     found = geometry.measured(words.quick)
     phases, peers = geometry.tables(found)
     print(f"{phases}\n\n{peers}\n", flush=True)
+    spectra, candidates = graphs.suite(words.quick)
+    print(f"{spectra}\n\n{candidates}\n", flush=True)
     outcomes = team.measured(words.quick)
     plans = team.table(outcomes)
     print(f"{plans}\n", flush=True)
 
     target = words.page or (None if words.quick else PAGE)
     if target is not None:
-        page.write(target, (start, phases, peers, plans), found, outcomes)
+        page.write(target, (start, phases, peers, spectra, candidates, plans), found, outcomes)
         print(f"wrote {target}")
 
 

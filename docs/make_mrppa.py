@@ -24,13 +24,13 @@ L = D − A: zero if and only if the graph falls apart, and the larger the bette
 
 1. **Free space** of one size of robot; teams of several sizes go through the stages once for each.
 2. **Obstacle graph**: starts, goals and corners of obstacles, joined by the obstacles' edges only.
-3. **Split in two**: the visibility graph in which each obstacle is one vertex is cut by the signs of its Fiedler vector;
-   all edges between the sides are removed, so λ2 = 0. Robots with a way within one side get their first path.
+3. **Split in two**: the visibility graph in which each obstacle is one vertex is cut by the signs of its Fiedler
+   vector; all edges between the sides are removed, so λ2 = 0. Robots with a way within one side get their first path.
 4. **Bridges**, one at a time: among the edges that give or shorten the path of a robot not yet served, the one with the
    largest λ2. All candidates are valued exactly from one eigendecomposition (`taut.graph.best_edges`).
 5. **Full visibility graph**: all edges are put back.
-6. **Planned in sequence**: one robot after another, each avoiding those before it; every conflict is told with its kind,
-   place, time and how it was resolved. The result is an ordinary certified plan.
+6. **Planned in sequence**: one robot after another, each avoiding those before it; every conflict is told with its
+   kind, place, time and how it was resolved. The result is an ordinary certified plan.
 
 ```sh
 taut plan thesis-1 --method mrppa --explain
@@ -45,9 +45,9 @@ assert result.certificate.ok
 print([type(stage).__name__ for stage in result.stages])
 ```
 
-A split of your own is `--split "O1,O2,R1 start"` (`split=` in Python), another weight of edges in λ2 `--weight distance`
-(`weight=`, also any function of the length). On obstacles grown by a disc's radius, round corners are drawn with few
-vertices here (the plan itself uses fine ones), since λ2 counts vertices.
+A split of your own is `--split "O1,O2,R1 start"` (`split=` in Python), another weight of edges in λ2
+`--weight distance` (`weight=`, also any function of the length). On obstacles grown by a disc's radius, round corners
+are drawn with few vertices here (the plan itself uses fine ones), since λ2 counts vertices.
 """
 
 

@@ -74,7 +74,8 @@ def test_every_page_is_reached_from_the_readme() -> None:
 
 def test_the_page_on_mrppa_tells_what_planning_tells_now() -> None:
     place = importlib.util.spec_from_file_location("make_mrppa", ROOT / "docs" / "make_mrppa.py")
-    assert place is not None and place.loader is not None
+    assert place is not None
+    assert place.loader is not None
     maker = importlib.util.module_from_spec(place)
     place.loader.exec_module(maker)
     results = {name: taut.plan(taut.load_scene(name), method="mrppa") for name in maker.SCENES}

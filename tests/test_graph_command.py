@@ -187,7 +187,7 @@ def test_of_large_graphs_only_lambda2_is_computed(graph: Graph, monkeypatch: pyt
         raise AssertionError("too much work")
 
     for room, name in (
-        ("spectrum", "spectrum"),
+        ("spectral", "spectrum"),
         ("bounds", "connectivity_bounds"),
         ("bounds", "isoperimetric_bounds"),
         ("resistance", "kirchhoff_index"),

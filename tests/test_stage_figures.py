@@ -24,9 +24,9 @@ from taut.figures.album import INDEX, require_album
 from taut.figures.canvas import sheet
 from taut.figures.grounds import FAINT, SIDES, opacity
 from taut.figures.maps import scene_view
-from taut.figures.stages import FEW_CONFLICTS, KINDS, conflicts_told, draw_stage
+from taut.figures.stages import FEW_CONFLICTS, KINDS, draw_stage
 from taut.figures.style import GRAPH, INK, mix, robot_colours
-from taut.team.conflicts import Kind
+from taut.team.conflicts import Conflict, Kind
 from taut.team.stages import (
     BridgeStage,
     FirstPathStage,
@@ -75,14 +75,14 @@ def of_kind(stages: tuple[Stage, ...], kind: type[SomeStage]) -> list[SomeStage]
     return [stage for stage in stages if isinstance(stage, kind)]
 
 
-def split_before(stages: tuple[Stage, ...], stage: BridgeStage | FirstPathStage) -> SplitStage:
-    return next(split for split in of_kind(stages, SplitStage) if split.ground is stage.ground)
+def told_by(stage: SequenceStage) -> list[Conflict]:
+    return [conflict for name in stage.order for conflict in stage.conflicts[name]]
 
 
-def picture(stage: Stage, number: int | None = None, split: SplitStage | None = None) -> Axes:
+def picture(stage: Stage, number: int | None = None) -> Axes:
     scene = stage.plan.scene if isinstance(stage, SequenceStage) else stage.ground.freespace.scene
     axes = sheet(scene_view(scene))
-    draw_stage(axes, stage, number, split)
+    draw_stage(axes, stage, number)
     return axes
 
 
@@ -221,8 +221,8 @@ def test_nothing_to_split_is_said(thesis: tuple[Stage, ...]) -> None:
 
 def test_bridge_is_bold_its_rival_dashed_and_earlier_ones_stay_visible(stages: tuple[Stage, ...]) -> None:
     for stage in of_kind(stages, BridgeStage):
-        split = split_before(stages, stage)
-        axes = picture(stage, split=split)
+        split = stage.cut
+        axes = picture(stage)
         robots = stage.ground.freespace.scene.robots
         colour = robot_colours(len(robots))[[robot.name for robot in robots].index(stage.robot)]
         assert segments(axes, colour) == edges_of(stage, [stage.edge])
@@ -245,8 +245,8 @@ def test_bridge_without_a_rival_has_none_in_its_legend(thesis: tuple[Stage, ...]
 
 def test_first_path_is_drawn_with_its_length_over_the_faint_sides(stages: tuple[Stage, ...]) -> None:
     for stage in of_kind(stages, FirstPathStage):
-        split = split_before(stages, stage)
-        axes = picture(stage, split=split)
+        split = stage.cut
+        axes = picture(stage)
         robots = stage.ground.freespace.scene.robots
         colour = robot_colours(len(robots))[[robot.name for robot in robots].index(stage.robot)]
         places = [tuple(place) for place in stage.ground.roadmap.positions[stage.path].tolist()]
@@ -259,19 +259,6 @@ def test_first_path_is_drawn_with_its_length_over_the_faint_sides(stages: tuple[
 def test_a_robot_at_its_goal_has_a_first_path_of_one_vertex(thesis: tuple[Stage, ...]) -> None:
     stage = of_kind(thesis, FirstPathStage)[0]
     assert facts(picture(replace(stage, path=stage.path[:1], length=0.0))) == "0.0000 m · 0 edges"
-
-
-def test_without_the_split_the_graph_so_far_is_grey(thesis: tuple[Stage, ...]) -> None:
-    stage = of_kind(thesis, FirstPathStage)[-1]
-    axes = picture(stage)
-    assert segments(axes, GRAPH) == edges_of(stage, stage.edges)
-    assert "graph so far" in legend(axes)
-
-
-def test_the_split_of_another_size_is_refused(hospital: tuple[Stage, ...]) -> None:
-    stage, split = of_kind(hospital, BridgeStage)[-1], of_kind(hospital, SplitStage)[0]
-    with pytest.raises(ValueError, match="another size"):
-        picture(stage, split=split)
 
 
 def test_full_graph_draws_every_edge(stages: tuple[Stage, ...]) -> None:
@@ -296,7 +283,7 @@ def conflict_marks(axes: Axes) -> int:
 
 def test_sequence_marks_every_conflict_and_numbers_few(hospital: tuple[Stage, ...]) -> None:
     stage = of_kind(hospital, SequenceStage)[0]
-    met = conflicts_told(stage)
+    met = told_by(stage)
     assert 0 < len(met) <= FEW_CONFLICTS
     axes = picture(stage)
     assert conflict_marks(axes) == len(met)
@@ -326,9 +313,8 @@ def test_every_kind_of_conflict_has_its_own_mark() -> None:
 
 
 def test_texts_do_not_lie_on_each_other(thesis: tuple[Stage, ...]) -> None:
-    split = of_kind(thesis, SplitStage)[0]
     for stage in thesis:
-        axes = picture(stage, 1, split if isinstance(stage, BridgeStage | FirstPathStage) else None)
+        axes = picture(stage, 1)
         render(axes)
         boxes = [text.get_window_extent() for text in axes.texts if text.get_text()]
         for k, box in enumerate(boxes):
@@ -392,7 +378,7 @@ def test_the_text_numbers_the_conflicts_as_the_picture_does(hospital: tuple[Stag
     stage = of_kind(hospital, SequenceStage)[0]
     save_stages([stage], tmp_path)
     lines = (tmp_path / "01-sequence.txt").read_text(encoding="utf-8").splitlines()
-    for number, conflict in enumerate(conflicts_told(stage), 1):
+    for number, conflict in enumerate(told_by(stage), 1):
         assert any(line.startswith(f"{number}. {conflict.robot} ") and conflict.other in line for line in lines)
 
 

@@ -12,6 +12,13 @@ SHOWN = (
     ("taut.roadmap.visibility", "VisibilityGraph"),
     ("taut.roadmap.places", "PlacesRoadmap"),
     ("taut.route.core", "Route"),
+    ("taut.team.stages", "FreeSpaceStage"),
+    ("taut.team.stages", "ObstacleGraphStage"),
+    ("taut.team.stages", "SplitStage"),
+    ("taut.team.stages", "BridgeStage"),
+    ("taut.team.stages", "FirstPathStage"),
+    ("taut.team.stages", "FullGraphStage"),
+    ("taut.team.stages", "SequenceStage"),
 )
 
 

@@ -18,7 +18,7 @@ from taut.writing import replacing, write_text
 if TYPE_CHECKING:  # the planner is imported when there are stages: `require_album` is called before
     from matplotlib.axes import Axes
 
-    from taut.team.stages import SequenceStage, SplitStage, Stage
+    from taut.team.stages import Stage
 
 INDEX = "stages.json"
 DPI = 200
@@ -75,8 +75,8 @@ def save_stages(stages: Sequence[Stage], folder: str | os.PathLike[str]) -> list
     new = _entries(stages)
     # the index knows every file before it is there, so that an album broken off is one still
     _write_index(home, [*old, *new])
-    for (number, stage, split), entry in zip(_with_splits(stages), new, strict=True):
-        _write_stage(home, entry, number, stage, split)
+    for stage, entry in zip(stages, new, strict=True):
+        _write_stage(home, entry, stage)
     kept = _files(new)
     for name in _files(old):
         if name not in kept:
@@ -124,20 +124,6 @@ def _files(entries: Sequence[Mapping[str, Any]]) -> dict[str, None]:
     return dict.fromkeys(name for name in plain if "\\" not in name and "\0" not in name)
 
 
-def _with_splits(stages: Sequence[Stage]) -> list[tuple[int, Stage, SplitStage | None]]:
-    """Return the stages with their numbers and the split of the same size of robot that each came after."""
-    from taut.team.stages import SequenceStage, SplitStage
-
-    out: list[tuple[int, Stage, SplitStage | None]] = []
-    split: SplitStage | None = None
-    for number, stage in enumerate(stages, 1):
-        if isinstance(stage, SplitStage):
-            split = stage
-        same = split is not None and not isinstance(stage, SequenceStage) and split.ground is stage.ground
-        out.append((number, stage, split if same else None))
-    return out
-
-
 def _entries(stages: Sequence[Stage]) -> list[Mapping[str, Any]]:
     from taut.team.telling import stage_data
 
@@ -151,7 +137,7 @@ def _entries(stages: Sequence[Stage]) -> list[Mapping[str, Any]]:
     return out
 
 
-def _write_stage(home: Path, entry: Mapping[str, Any], number: int, stage: Stage, split: SplitStage | None) -> None:
+def _write_stage(home: Path, entry: Mapping[str, Any], stage: Stage) -> None:
     from taut.figures.stages import draw_stage
     from taut.team.stages import SequenceStage
     from taut.team.telling import stage_data, tell
@@ -159,10 +145,9 @@ def _write_stage(home: Path, entry: Mapping[str, Any], number: int, stage: Stage
     picture, text, data = (home / name for name in entry["files"])
     scene = stage.plan.scene if isinstance(stage, SequenceStage) else stage.ground.freespace.scene
     axes = sheet(scene_view(scene))
-    draw_stage(axes, stage, number, split)
+    draw_stage(axes, stage, entry["number"])
     _write_picture(axes, picture)
-    story = _numbered(stage) if isinstance(stage, SequenceStage) else tell(stage)
-    write_text(text, "\n".join([f"Stage {number} · {entry['title']}", "", *story, ""]))
+    write_text(text, "\n".join([f"Stage {entry['number']} · {entry['title']}", "", *tell(stage), ""]))
     write_text(data, _json(stage_data(stage)))
 
 
@@ -170,22 +155,6 @@ def _write_picture(axes: Axes, path: Path) -> None:
     figure: Any = axes.figure
     with any_letters(), replacing(path) as scratch:
         figure.savefig(scratch, format="png", dpi=DPI, metadata=NO_STAMPS["png"])
-
-
-def _numbered(stage: SequenceStage) -> list[str]:
-    """Return the story with the numbers that the conflicts have in the picture."""
-    from taut.figures.stages import conflicts_told
-    from taut.team.telling import tell, tell_conflict
-
-    sentences = [tell_conflict(conflict) for conflict in conflicts_told(stage)]
-    told = 0
-    lines = []
-    for line in tell(stage):
-        if told < len(sentences) and line == sentences[told]:
-            told += 1
-            line = f"{told}. {line}"
-        lines.append(line)
-    return lines
 
 
 def _write_index(home: Path, entries: Sequence[Mapping[str, Any]]) -> Path:

@@ -60,22 +60,10 @@ def draw_ground(axes: Axes, ground: Ground) -> None:
         draw_map(axes, space.scene)
 
 
-def draw_graph_so_far(axes: Axes, ground: Ground, edges: Bools, split: SplitStage | None, bridge: str) -> list[Line2D]:
-    """Draw map and graph faintly, every bridge clearly; return what the legend says of them, ``bridge`` of the bridges.
-
-    Raises
-    ------
-    ValueError
-        The split is of another size of robot.
-    """
+def draw_graph_so_far(axes: Axes, split: SplitStage, edges: Bools, bridge: str) -> list[Line2D]:
+    """Draw map and graph faintly, every bridge clearly; return what the legend says of them."""
+    ground = split.ground
     places, pairs = ground.roadmap.positions, ground.roadmap.edges
-    if split is None:
-        draw_ground(axes, ground)
-        draw_edges(axes, places[pairs[edges]], GRAPH, width=0.7, alpha=opacity(len(pairs)))
-        draw_vertices(axes, places, [GRAPH] * len(places))
-        return [line_handle("graph so far", GRAPH, 1.0)]
-    if split.ground is not ground:
-        raise ValueError("the split is of another size of robot: give the last one before this stage")
     bridges = edges & ~split.edges
     draw_sides(axes, split, FAINT)
     name_on_tints(axes, ground.freespace.scene)

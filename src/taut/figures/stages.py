@@ -40,7 +40,7 @@ from taut.figures.pictures import count, draw_motions, end_handles, handle, writ
 from taut.figures.plans import draw_arrows, draw_paths, in_seconds, samples
 from taut.figures.style import GRAPH, GROWN, INK, OBSTACLE_EDGE, QUIET, darker, robot_colours
 from taut.figures.teams import mark_radius
-from taut.team.conflicts import Conflict, Kind
+from taut.team.conflicts import Kind
 from taut.team.stages import (
     BridgeStage,
     FirstPathStage,
@@ -77,7 +77,7 @@ class _Caption(NamedTuple):
     legend: Sequence[Line2D]
 
 
-def draw_stage(axes: Axes, stage: Stage, number: int | None = None, split: SplitStage | None = None) -> None:
+def draw_stage(axes: Axes, stage: Stage, number: int | None = None) -> None:
     """Draw a stage in metres.
 
     Parameters
@@ -85,13 +85,9 @@ def draw_stage(axes: Axes, stage: Stage, number: int | None = None, split: Split
     axes : where to draw; axes that already show something keep their view.
     stage : what to draw.
     number : of the stage, for the title.
-    split : the split that a bridge or first path came after: it is drawn over the two sides in their hues, and the
-        bridges stand out. Other stages have no use for it.
 
     Raises
     ------
-    ValueError
-        The split is of another size of robot.
     OutputError
         Coordinates with which no picture can be made.
     """
@@ -101,13 +97,13 @@ def draw_stage(axes: Axes, stage: Stage, number: int | None = None, split: Split
     heading = title(stage) if number is None else f"Stage {number} · {title(stage)}"
     if not isinstance(stage, SequenceStage) and len(stage.ground.robots) < len(scene.robots):
         heading += f" · growth {stage.ground.freespace.growth:g} m"
-    caption = _draw(axes, stage, split)
+    caption = _draw(axes, stage)
     facts = caption.facts
     write_title(axes, heading, *(" · ".join(facts[:k]) for k in range(len(facts), 0, -1)))
     write_legend(axes, list(caption.legend))
 
 
-def _draw(axes: Axes, stage: Stage, split: SplitStage | None) -> _Caption:
+def _draw(axes: Axes, stage: Stage) -> _Caption:
     match stage:
         case FreeSpaceStage():
             return _draw_free_space(axes, stage)
@@ -116,9 +112,9 @@ def _draw(axes: Axes, stage: Stage, split: SplitStage | None) -> _Caption:
         case SplitStage():
             return _draw_split(axes, stage)
         case BridgeStage():
-            return _draw_bridge(axes, stage, split)
+            return _draw_bridge(axes, stage)
         case FirstPathStage():
-            return _draw_first_path(axes, stage, split)
+            return _draw_first_path(axes, stage)
         case FullGraphStage():
             return _draw_full_graph(axes, stage)
         case SequenceStage():
@@ -189,12 +185,12 @@ def _draw_split(axes: Axes, stage: SplitStage) -> _Caption:
     return _Caption(facts, [*end_handles(team), *legend])
 
 
-def _draw_bridge(axes: Axes, stage: BridgeStage, split: SplitStage | None) -> _Caption:
+def _draw_bridge(axes: Axes, stage: BridgeStage) -> _Caption:
     ground, colour = stage.ground, colour_of(stage.ground, stage.robot)
     segments = ground.roadmap.positions[ground.roadmap.edges]
     before = stage.edges.copy()
     before[stage.edge] = False
-    legend = draw_graph_so_far(axes, ground, before, split, "earlier bridge")
+    legend = draw_graph_so_far(axes, stage.cut, before, "earlier bridge")
     shown = [stage.edge]
     labels = [label_on(segments[stage.edge], f"λ2 = {_value(stage.after)}", colour)]
     if stage.runner_up is not None and stage.runner_up_after is not None:
@@ -210,10 +206,10 @@ def _draw_bridge(axes: Axes, stage: BridgeStage, split: SplitStage | None) -> _C
     return _Caption(facts, [*end_handles(team_of(ground)), *legend])
 
 
-def _draw_first_path(axes: Axes, stage: FirstPathStage, split: SplitStage | None) -> _Caption:
+def _draw_first_path(axes: Axes, stage: FirstPathStage) -> _Caption:
     ground, colour = stage.ground, colour_of(stage.ground, stage.robot)
     route = ground.roadmap.positions[stage.path]
-    legend = draw_graph_so_far(axes, ground, stage.edges, split, "bridge")
+    legend = draw_graph_so_far(axes, stage.cut, stage.edges, "bridge")
     for hue, width in bold(colour):
         draw_paths(axes, [route], [hue], width)
     draw_arrows(axes, [route], [colour])
@@ -242,7 +238,7 @@ def _draw_full_graph(axes: Axes, stage: FullGraphStage) -> _Caption:
 def _draw_sequence(axes: Axes, stage: SequenceStage) -> _Caption:
     plan, n = stage.plan, len(stage.plan.scene.robots)
     colours = dict(zip((robot.name for robot in plan.scene.robots), robot_colours(n), strict=True))
-    met = conflicts_told(stage)
+    met = [conflict for name in stage.order for conflict in stage.conflicts.get(name, ())]
     radius = 1.5 * mark_radius(n)
     labels = []
     if len(met) <= FEW_CONFLICTS:
@@ -271,11 +267,6 @@ def _draw_sequence(axes: Axes, stage: SequenceStage) -> _Caption:
     if (plan.certificate or {}).get("ok") is True:
         facts.append("certified")
     return _Caption(facts, legend)
-
-
-def conflicts_told(stage: SequenceStage) -> list[Conflict]:
-    """Return all conflicts in the order in which they are told and numbered: that of planning, then of time."""
-    return [conflict for name in stage.order for conflict in stage.conflicts.get(name, ())]
 
 
 def _value(connectivity: float) -> str:

@@ -87,20 +87,20 @@ def _stages_on(ground: Ground, order: Sequence[str], by_hand: Sequence[str] | No
     edges = cut.edges
     waiting: list[str] = []
     for robot in order:
-        path = _first_path(ground, edges, robot)
+        path = _first_path(cut, edges, robot)
         if path is None:
             waiting.append(robot)
         else:
             yield path
     while waiting:
-        bridge = _bridge(ground, edges, waiting)
+        bridge = _bridge(cut, edges, waiting)
         if bridge is None:
             break
         yield bridge
         edges = bridge.edges
         waiting.remove(bridge.robot)
-        yield from _paths(ground, edges, [bridge.robot])
-    yield from _paths(ground, edges, waiting)
+        yield from _paths(cut, edges, [bridge.robot])
+    yield from _paths(cut, edges, waiting)
     whole = np.ones(len(edges), dtype=np.bool_)
     yield FullGraphStage(ground, algebraic_connectivity(ground.graph(whole)), _lengths(ground, whole, ground.robots))
 
@@ -137,8 +137,9 @@ def _means(ground: Ground, values: Floats) -> Floats:
     return np.asarray(np.bincount(ground.groups, weights=values) / sizes)
 
 
-def _bridge(ground: Ground, edges: Bools, waiting: Sequence[str]) -> BridgeStage | None:
+def _bridge(cut: SplitStage, edges: Bools, waiting: Sequence[str]) -> BridgeStage | None:
     """Choose the best edge among those that give, or shorten, the path of a robot; None if there is none."""
+    ground = cut.ground
     away = np.flatnonzero(~edges)
     pairs, lengths = ground.roadmap.edges[away], ground.roadmap.lengths[away]
     graph = ground.distances(edges)
@@ -159,6 +160,7 @@ def _bridge(ground: Ground, edges: Bools, waiting: Sequence[str]) -> BridgeStage
     second = chosen.runner_up
     return BridgeStage(
         ground,
+        cut,
         now,
         int(away[candidates[chosen.candidate]]),
         served,
@@ -170,19 +172,20 @@ def _bridge(ground: Ground, edges: Bools, waiting: Sequence[str]) -> BridgeStage
     )
 
 
-def _paths(ground: Ground, edges: Bools, robots: Sequence[str]) -> Iterator[FirstPathStage]:
+def _paths(cut: SplitStage, edges: Bools, robots: Sequence[str]) -> Iterator[FirstPathStage]:
     for robot in robots:
-        path = _first_path(ground, edges, robot)
+        path = _first_path(cut, edges, robot)
         if path is not None:
             yield path
 
 
-def _first_path(ground: Ground, edges: Bools, robot: str) -> FirstPathStage | None:
+def _first_path(cut: SplitStage, edges: Bools, robot: str) -> FirstPathStage | None:
+    ground = cut.ground
     start, goal = ground.ends[ground.robots.index(robot)].tolist()
     distance, before = dijkstra(ground.distances(edges), start)
     if not np.isfinite(distance[goal]):
         return None
-    return FirstPathStage(ground, edges, robot, np.array(path_to(before, goal)), float(distance[goal]))
+    return FirstPathStage(ground, cut, edges, robot, np.array(path_to(before, goal)), float(distance[goal]))
 
 
 def _lengths(ground: Ground, edges: Bools, robots: Sequence[str]) -> Floats:

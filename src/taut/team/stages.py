@@ -61,6 +61,7 @@ class BridgeStage:
 
     Parameters
     ----------
+    cut : the split before it.
     edges : (m,) the edges there are now.
     edge : number of the new one.
     robot : the robot that it serves.
@@ -71,6 +72,7 @@ class BridgeStage:
     """
 
     ground: Ground
+    cut: SplitStage
     edges: Bools
     edge: int
     robot: str
@@ -87,6 +89,7 @@ class FirstPathStage:
 
     Parameters
     ----------
+    cut : the split before it.
     edges : (m,) the edges there are.
     robot : its name.
     path : (k,) vertices from its start to its goal.
@@ -94,6 +97,7 @@ class FirstPathStage:
     """
 
     ground: Ground
+    cut: SplitStage
     edges: Bools
     robot: str
     path: Ints

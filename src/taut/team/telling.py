@@ -278,11 +278,13 @@ def _tell_full_graph(stage: FullGraphStage) -> list[str]:
 def _tell_sequence(stage: SequenceStage) -> list[str]:
     plan = stage.plan
     lines = []
+    told = 0
     for name in stage.order:
         met = stage.conflicts[name]
         if not met:
             lines.append(f"{name} goes its shortest way unhindered.")
-        lines += [tell_conflict(conflict) for conflict in met]
+        lines += [f"{told + k}. {tell_conflict(conflict)}" for k, conflict in enumerate(met, 1)]
+        told += len(met)
     proved = "certified" if (plan.certificate or {}).get("ok") is True else "NOT certified"
     lines.append(f"Sum of costs {plan.sum_of_costs:.4f} s, makespan {plan.makespan:.4f} s, {proved}.")
     return lines
