@@ -42,6 +42,39 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
     Polygon or MultiPolygon
         Valid; vertices of the input keep their coordinates bit for bit unless plain overlay fails.
     """
+    alone = _alone(room, taken)
+    rest = _without(room, taken[~alone], tol) if not alone.all() else room
+    return _with_holes(rest, taken[alone]) if alone.any() else rest
+
+
+def _alone(room: Any, taken: Shapes) -> BoolArray:
+    """Mark the pieces without holes that meet no other piece and lie in the room's interior: holes as they are."""
+    i = shapely.STRtree(taken).query(taken, predicate="intersects")[0]
+    alone: BoolArray = (np.bincount(i, minlength=len(taken)) == 1) & (shapely.get_num_interior_rings(taken) == 0)
+    shapely.prepare(room)
+    alone[alone] = shapely.contains_properly(room, taken[alone])
+    return alone
+
+
+def _with_holes(rest: Any, pieces: Shapes) -> Any:
+    """Return (multi)polygons with further holes, each in the interior of one of them and apart from all else."""
+    parts = shapely.get_parts(rest)
+    rings = shapely.get_exterior_ring(pieces)
+    home = np.zeros(len(pieces), dtype=np.intp)
+    if len(parts) > 1:
+        within = shapely.get_point(rings, 0)
+        piece, home_of = shapely.STRtree(parts).query(within, predicate="intersects")
+        home[piece] = home_of
+    out = []
+    for k, part in enumerate(parts):
+        own = rings[home == k]
+        holes = np.append(shapely.get_rings(part)[1:], own)
+        out.append(shapely.polygons(shapely.get_exterior_ring(part), holes) if len(own) else part)
+    return out[0] if len(out) == 1 else shapely.multipolygons(out)
+
+
+def _without(room: Any, taken: Shapes, tol: float) -> Any:
+    """Return a polygon without pieces that meet each other or its boundary, by overlay."""
     grid = _grid(tol)
     union, rounded = _joined_clusters(taken, tol)
     if not rounded:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         rigidity_matrix,
         vertex_connected,
     )
-    from taut.graph.search import astar, astar_between, breadth_first, depth_first, dijkstra, path_to
+    from taut.graph.search import astar, astar_between, astar_many, breadth_first, depth_first, dijkstra, path_to
     from taut.graph.spectral import Eigenpairs, algebraic_connectivity, eigenpairs, fiedler_vector, spectrum
     from taut.graph.splitting import contracted, gathered, in_one_piece, split
     from taut.graph.tracing import State, Step, Trace, tell, trace
@@ -50,6 +50,7 @@ __all__ = [
     "algebraic_connectivity",
     "astar",
     "astar_between",
+    "astar_many",
     "best_edges",
     "beta_index",
     "breadth_first",
@@ -140,7 +141,15 @@ if not TYPE_CHECKING:
             "rigidity_matrix",
             "vertex_connected",
         ),
-        "taut.graph.search": ("astar", "astar_between", "breadth_first", "depth_first", "dijkstra", "path_to"),
+        "taut.graph.search": (
+            "astar",
+            "astar_between",
+            "astar_many",
+            "breadth_first",
+            "depth_first",
+            "dijkstra",
+            "path_to",
+        ),
         "taut.graph.spectral": ("Eigenpairs", "algebraic_connectivity", "eigenpairs", "fiedler_vector", "spectrum"),
         "taut.graph.splitting": ("contracted", "gathered", "in_one_piece", "split"),
         "taut.graph.tracing": ("State", "Step", "Trace", "tell", "trace"),

@@ -45,6 +45,43 @@ def _heap_drop_first(keys: Floats, items: Ints, size: int) -> None:
 
 
 @kernel
+def compressed(n: int, pairs: Ints, values: Floats) -> tuple[Ints, Ints, Floats, int]:
+    """CSR of undirected edges (m, 2) with rows ascending; last, a vertex with a neighbour given twice, or −1.
+
+    Two stable counting sorts: by the far end, then by the near one.
+    """
+    m = pairs.shape[0]
+    indptr = np.zeros(n + 1, dtype=np.int64)
+    for e in range(m):
+        indptr[pairs[e, 0] + 1] += 1
+        indptr[pairs[e, 1] + 1] += 1
+    for v in range(n):
+        indptr[v + 1] += indptr[v]
+    place = indptr.copy()
+    tails = np.empty(2 * m, dtype=np.int64)
+    edges = np.empty(2 * m, dtype=np.int64)
+    for e in range(m):
+        for side in range(2):
+            head = pairs[e, 1 - side]
+            tails[place[head]], edges[place[head]] = pairs[e, side], e
+            place[head] += 1
+    for v in range(n):
+        place[v] = indptr[v]
+    indices = np.empty(2 * m, dtype=np.int64)
+    weights = np.empty(2 * m)
+    twice = -1
+    for head in range(n):
+        for k in range(indptr[head], indptr[head + 1]):
+            tail = tails[k]
+            at = place[tail]
+            if at > indptr[tail] and indices[at - 1] == head:
+                twice = tail
+            indices[at], weights[at] = head, values[edges[k]]
+            place[tail] += 1
+    return indptr, indices, weights, twice
+
+
+@kernel
 def dijkstra(indptr: Ints, indices: Ints, weights: Floats, source: int) -> tuple[Floats, Ints]:
     """Distances from one vertex (inf where there is no path) and the vertex before each on a shortest path (−1)."""
     n = indptr.shape[0] - 1

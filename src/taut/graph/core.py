@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from taut.graph import _kernels
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -48,14 +50,10 @@ class Graph:
             raise ValueError("an edge joins a vertex with itself")
         if not (np.isfinite(values).all() and (values >= 0).all()):
             raise ValueError("weights must be finite and not negative")
-        tail = np.concatenate([pairs[:, 0], pairs[:, 1]])
-        head = np.concatenate([pairs[:, 1], pairs[:, 0]])
-        order = np.lexsort((head, tail))
-        tail, head = tail[order], head[order]
-        if ((np.diff(tail) == 0) & (np.diff(head) == 0)).any():
+        indptr, indices, both, twice = _kernels.compressed(n, np.ascontiguousarray(pairs), values)
+        if twice >= 0:
             raise ValueError("an edge is given twice")
-        indptr = np.searchsorted(tail, np.arange(n + 1)).astype(np.int64)
-        return cls(indptr, head, np.concatenate([values, values])[order])
+        return cls(indptr, indices, both)
 
     @property
     def n(self) -> int:

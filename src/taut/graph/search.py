@@ -50,9 +50,36 @@ def astar_between(
     ``first`` are the vertices joined straight with the place ``source`` (2,), ``last`` those joined with ``target``;
     at least one vertex is passed. (inf, empty) without a path.
     """
-    ends = np.array([0, len(first)]), first, target[None], np.array([0, len(last)]), last
-    lengths, _, path = _kernels.astar(graph.indptr, graph.indices, graph.weights, positions, source[None], *ends)
+    starts = np.array([0, len(first)]), np.array([0, len(last)])
+    lengths, _, path = astar_many(graph, positions, source[None], starts[0], first, target[None], starts[1], last)
     return float(lengths[0]), path
+
+
+def astar_many(
+    graph: Graph,
+    positions: Floats,
+    sources: Floats,
+    first_start: Ints,
+    first: Ints,
+    targets: Floats,
+    last_start: Ints,
+    last: Ints,
+) -> tuple[Floats, Ints, Ints]:
+    """Shortest paths between k pairs of places off the graph, as `astar_between`, without Python in the loop.
+
+    Parameters
+    ----------
+    sources, targets : (k, 2) places.
+    first_start, first : CSR of the vertices joined straight with each source.
+    last_start, last : CSR of those joined with each target.
+
+    Returns
+    -------
+    lengths : (k,), inf without a path.
+    start, path : CSR of the vertices passed.
+    """
+    ends = sources, first_start, first, targets, last_start, last
+    return _kernels.astar(graph.indptr, graph.indices, graph.weights, positions, *ends)
 
 
 def breadth_first(graph: Graph, source: int) -> tuple[Ints, Ints]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from taut.errors import SceneError
 from taut.freespace import FreeSpace
-from taut.geometry import _kernels
+from taut.geometry import _seeing_kernels
 from taut.geometry.growth import free_region, grown
 from taut.geometry.seeing import see_all, see_each_other, see_from
 from taut.graph import Graph
@@ -102,5 +102,5 @@ def obstacle_wedges(freespace: FreeSpace) -> NDArray[np.bool_]:
 
 def _with_collinear(positions: Floats, through: NDArray[np.bool_], pairs: Ints) -> Ints:
     graph = Graph.from_edges(len(positions), pairs)
-    a, b = _kernels.extend_collinear(positions, through, graph.indptr, graph.indices)
+    a, b = _seeing_kernels.extend_collinear(positions, through, graph.indptr, graph.indices)
     return np.unique(np.concatenate([pairs, np.stack([a, b], axis=1)]), axis=0)

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from taut.chunks import over_chunks
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace
 from taut.geometry.seeing import see_each_other, see_from
-from taut.graph import astar_between
-from taut.graph.core import Ints
+from taut.graph import astar_many
+from taut.graph.core import Floats, Ints
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.route.core import Route
 from taut.scene import FloatArray
+
+_CHUNK = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +42,12 @@ class Attached:
     def corners_of(self, k: int) -> Ints:
         """Vertices of the tangent graph joined with place k."""
         return self.corners[self.first[k] : self.first[k + 1]]
+
+    def of(self, places: Ints) -> tuple[Ints, Ints]:
+        """CSR of the vertices joined with some of the places: start, corners."""
+        counts = self.first[places + 1] - self.first[places]
+        start = np.append(0, np.cumsum(counts))
+        return start, self.corners[np.arange(start[-1]) + np.repeat(self.first[places] - start[:-1], counts)]
 
 
 def attach(freespace: FreeSpace, tangents: VisibilityGraph, points: ArrayLike) -> Attached:
@@ -89,27 +99,45 @@ def routes_between(freespace: FreeSpace, tangents: VisibilityGraph, ends: Attach
         error, word = (StartBlocked, "start") if k % 2 == 0 else (GoalBlocked, "goal")
         x, y = ends.given[k]
         raise error(f"{word} ({x:g}, {y:g}) is not in free space (growth {freespace.growth:g} m)")
-    starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
-    direct = see_each_other(freespace.mesh, ends.points, ends.triangles, starts, starts + 1)
+    lengths, path_start, path = _searched(freespace, tangents, ends)
+    lost = np.flatnonzero(np.isinf(lengths))
+    if len(lost):
+        k = 2 * int(lost[0])
+        raise NoPath("", _separated(ends.given[k], ends.given[k + 1], freespace.growth))
+    corners = tangents.positions[path]
     out = []
-    for k, straight in zip(starts.tolist(), direct.tolist(), strict=True):
-        corners: FloatArray = np.empty((0, 2))
-        if not straight:
-            length, path = astar_between(
-                tangents.graph,
-                tangents.positions,
-                ends.points[k],
-                ends.corners_of(k),
-                ends.points[k + 1],
-                ends.corners_of(k + 1),
-            )
-            if not np.isfinite(length):
-                raise NoPath("", _separated(ends.given[k], ends.given[k + 1], freespace.growth))
-            corners = tangents.positions[path]
-        points = np.concatenate([ends.given[k, None], corners, ends.given[k + 1, None]])
+    for q, (first, last) in enumerate(pairwise(path_start.tolist())):
+        points = np.concatenate([ends.given[2 * q, None], corners[first:last], ends.given[2 * q + 1, None]])
         moved = np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))
         out.append(Route(points[moved]))
     return out
+
+
+def _searched(freespace: FreeSpace, tangents: VisibilityGraph, ends: Attached) -> tuple[Floats, Ints, Ints]:
+    """Lengths between places 0 and 1, 2 and 3, … (inf without a path) and the corners passed as CSR (start, corner).
+
+    Places must be free.
+    """
+    starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
+    direct = see_each_other(freespace.mesh, ends.points, ends.triangles, starts, starts + 1)
+    far = starts[~direct]
+    graph = tangents.graph
+
+    def chunk(first: int, last: int) -> tuple[Floats, Ints, Ints]:
+        own = far[first:last]
+        return astar_many(
+            graph, tangents.positions, ends.points[own], *ends.of(own), ends.points[own + 1], *ends.of(own + 1)
+        )
+
+    found = over_chunks(chunk, len(far), _CHUNK)
+    lengths = np.hypot(*(ends.points[1::2] - ends.points[::2]).T)
+    counts = np.zeros(len(starts), dtype=np.int64)
+    paths = np.empty(0, dtype=np.int64)
+    if found:
+        lengths[~direct] = np.concatenate([length for length, _, _ in found])
+        counts[~direct] = np.concatenate([np.diff(start) for _, start, _ in found])
+        paths = np.concatenate([path for _, _, path in found])
+    return lengths, np.append(0, np.cumsum(counts)), paths
 
 
 def _separated(a: FloatArray, b: FloatArray, growth: float) -> str:
