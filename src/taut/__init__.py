@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from taut.generate import random_scene
     from taut.motion import Plan, Trajectory
     from taut.roadmap import Roadmap, visibility_graph
-    from taut.route import Route, shortest_path
+    from taut.route import PathIndex, Paths, Route, distances, distances_from, paths, prepare, shortest_path
     from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
     from taut.team import Result, plan
     from taut.validation import validate
@@ -49,6 +49,8 @@ __all__ = [
     "NoPath",
     "NoPlanFound",
     "OutputError",
+    "PathIndex",
+    "Paths",
     "Plan",
     "PlanError",
     "Polygon",
@@ -66,11 +68,15 @@ __all__ = [
     "animate",
     "certify",
     "control",
+    "distances",
+    "distances_from",
     "draw",
     "graph",
     "load_plan",
     "load_scene",
+    "paths",
     "plan",
+    "prepare",
     "random_scene",
     "save",
     "save_figure",
@@ -100,7 +106,16 @@ if not TYPE_CHECKING:
         "taut.generate": ("random_scene",),
         "taut.motion": ("Plan", "Trajectory"),
         "taut.roadmap": ("Roadmap", "visibility_graph"),
-        "taut.route": ("Route", "shortest_path"),
+        "taut.route": (
+            "PathIndex",
+            "Paths",
+            "Route",
+            "distances",
+            "distances_from",
+            "paths",
+            "prepare",
+            "shortest_path",
+        ),
         "taut.scene": ("Circle", "Line", "Polygon", "Rectangle", "Robot", "Scene"),
         "taut.team": ("Result", "plan"),
         "taut.validation": ("validate",),

@@ -422,26 +422,36 @@ def extend_collinear(positions: Floats, through: NDArray[np.bool_], indptr: Ints
 
 @kernel
 def bend_sides(xy: Floats, fan: Ints, wedges: Ints, indptr: Ints, indices: Ints) -> Ints:
-    """On which side of each tangent edge the obstacle lies at its tail and at its head: 1 left, −1 right, 0 either.
+    """On which side of each tangent edge the obstacle lies at its tail and at its head: 1 left, −1 right, 0 both.
 
-    The CSR graph joins the corners that ``wedges`` (n,) number; −1 is a point, at which nothing bends.
+    The CSR graph joins the corners whose wedges are numbered by ``wedges`` (n,).
     """
-    out = np.zeros((indices.shape[0], 2), dtype=np.int64)
+    out = np.empty((indices.shape[0], 2), dtype=np.int64)
     for u in range(wedges.shape[0]):
+        p = fan[wedges[u], 0]
         for k in range(indptr[u], indptr[u + 1]):
-            v = indices[k]
-            a, b = wedges[u], wedges[v]
-            if a >= 0 and b >= 0:
-                p, q = fan[a, 0], fan[b, 0]
-                out[k, 0] = _side(xy, p, q, fan[a, 1], fan[a, 2])
-                out[k, 1] = _side(xy, p, q, fan[b, 1], fan[b, 2])
+            w = wedges[indices[k]]
+            q = fan[w, 0]
+            out[k, 0] = _side(xy, xy[p, 0], xy[p, 1], q, fan[wedges[u], 1], fan[wedges[u], 2])
+            out[k, 1] = _side(xy, xy[p, 0], xy[p, 1], q, fan[w, 1], fan[w, 2])
     return out
 
 
 @kernel
-def _side(xy: Floats, p: int, q: int, a: int, b: int) -> int:
-    """Side of the line from p to q on which a and b lie; 0 if both lie on it, or on both sides."""
-    oa = orient(xy[p, 0], xy[p, 1], xy[q, 0], xy[q, 1], xy[a, 0], xy[a, 1])
-    ob = orient(xy[p, 0], xy[p, 1], xy[q, 0], xy[q, 1], xy[b, 0], xy[b, 1])
+def bend_sides_from(xy: Floats, fan: Ints, points: Floats, start: Ints, wedges: Ints) -> Ints:
+    """On which side of the way from each point to the wedges it is joined with (CSR) the obstacle lies there."""
+    out = np.empty(wedges.shape[0], dtype=np.int64)
+    for p in range(points.shape[0]):
+        for k in range(start[p], start[p + 1]):
+            w = wedges[k]
+            out[k] = _side(xy, points[p, 0], points[p, 1], fan[w, 0], fan[w, 1], fan[w, 2])
+    return out
+
+
+@kernel
+def _side(xy: Floats, px: float, py: float, q: int, a: int, b: int) -> int:
+    """Side of the line from p through vertex q on which vertices a and b lie; 0 on both sides, or on neither."""
+    oa = orient(px, py, xy[q, 0], xy[q, 1], xy[a, 0], xy[a, 1])
+    ob = orient(px, py, xy[q, 0], xy[q, 1], xy[b, 0], xy[b, 1])
     left, right = oa > 0.0 or ob > 0.0, oa < 0.0 or ob < 0.0
     return int(left) - int(right)

@@ -214,7 +214,8 @@ def _filled(rings: Sequence[FloatArray], names: Sequence[str]) -> Shapes:
         k = int(np.argmin(valid))
         reason = shapely.is_valid_reason(shapes[k])
         raise SceneError(f"{names[k]} is not a simple polygon ({reason}); its sides must not cross or touch each other")
-    return shapely.remove_repeated_points(shapes)
+    distinct: Shapes = shapely.remove_repeated_points(shapes)
+    return distinct
 
 
 def _outlines(rings: Sequence[FloatArray], radius: FloatArray, widest: FloatArray) -> _Outlines:

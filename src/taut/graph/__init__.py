@@ -13,6 +13,14 @@ if TYPE_CHECKING:
     from taut.graph.connectedness import components, connected, cut_edges, cut_vertices
     from taut.graph.conversion import from_networkx, load_graphml, save_graphml, to_networkx
     from taut.graph.core import Graph
+    from taut.graph.labels import (
+        HubLabels,
+        hub_labels,
+        label_distances,
+        label_distances_between,
+        label_path,
+        label_paths,
+    )
     from taut.graph.matrices import adjacency, beta_index, degree, degrees, incidence, laplacian, normalised_laplacian
     from taut.graph.resistance import effective_resistance, kirchhoff_index, resistance_matrix
     from taut.graph.rigidity import (
@@ -41,6 +49,7 @@ __all__ = [
     "Bound",
     "Eigenpairs",
     "Graph",
+    "HubLabels",
     "IsoperimetricBounds",
     "State",
     "Step",
@@ -80,6 +89,7 @@ __all__ = [
     "generic_rank",
     "generic_redundantly_rigid",
     "generic_rigid",
+    "hub_labels",
     "in_one_piece",
     "incidence",
     "independent_edges",
@@ -87,6 +97,10 @@ __all__ = [
     "infinitesimally_rigid",
     "isoperimetric_bounds",
     "kirchhoff_index",
+    "label_distances",
+    "label_distances_between",
+    "label_path",
+    "label_paths",
     "laplacian",
     "load_graphml",
     "log_spanning_tree_count",
@@ -118,6 +132,14 @@ if not TYPE_CHECKING:
         "taut.graph.connectedness": ("components", "connected", "cut_edges", "cut_vertices"),
         "taut.graph.conversion": ("from_networkx", "load_graphml", "save_graphml", "to_networkx"),
         "taut.graph.core": ("Graph",),
+        "taut.graph.labels": (
+            "HubLabels",
+            "hub_labels",
+            "label_distances",
+            "label_distances_between",
+            "label_path",
+            "label_paths",
+        ),
         "taut.graph.matrices": (
             "adjacency",
             "beta_index",

@@ -82,17 +82,23 @@ def compressed(n: int, pairs: Ints, values: Floats) -> tuple[Ints, Ints, Floats,
 
 
 @kernel
-def dijkstra(indptr: Ints, indices: Ints, weights: Floats, source: int) -> tuple[Floats, Ints]:
-    """Distances from one vertex (inf where there is no path) and the vertex before each on a shortest path (−1)."""
+def dijkstra(indptr: Ints, indices: Ints, weights: Floats, sources: Ints, offsets: Floats) -> tuple[Floats, Ints]:
+    """Distances from the nearest of some vertices, each begun with an offset ≥ 0, and the vertex before each (−1).
+
+    inf where there is no path.
+    """
     n = indptr.shape[0] - 1
     distance = np.full(n, np.inf)
     before = np.full(n, -1, dtype=np.int64)
     done = np.zeros(n, dtype=np.bool_)
-    keys = np.empty(indices.shape[0] + 1)
-    items = np.empty(indices.shape[0] + 1, dtype=np.int64)
-    distance[source] = 0.0
-    keys[0], items[0] = 0.0, source
-    size = 1
+    keys = np.empty(indices.shape[0] + sources.shape[0])
+    items = np.empty(keys.shape[0], dtype=np.int64)
+    size = 0
+    for i in range(sources.shape[0]):
+        if offsets[i] < distance[sources[i]]:
+            distance[sources[i]] = offsets[i]
+            _heap_push(keys, items, size, offsets[i], sources[i])
+            size += 1
     while size > 0:
         u = items[0]
         _heap_drop_first(keys, items, size)
@@ -192,14 +198,18 @@ def astar(
                         keys, items = _longer_keys(keys), _longer(items)
                     _heap_push(keys, items, size, through, n)
                     size += 1
+            # what cannot beat the way to the target known so far is not followed
+            bound = distance[n] if state[n] == seen else np.inf
             for k in range(indptr[u], indptr[u + 1]):
                 v = indices[k]
                 if state[v] == done:
                     continue
                 through = distance[u] + weights[k]
                 if state[v] < seen or through < distance[v]:
-                    distance[v], before[v], state[v] = through, u, seen
                     estimate = np.sqrt((positions[v, 0] - tx) ** 2 + (positions[v, 1] - ty) ** 2)
+                    if through + estimate >= bound:
+                        continue
+                    distance[v], before[v], state[v] = through, u, seen
                     if size == keys.shape[0]:
                         keys, items = _longer_keys(keys), _longer(items)
                     _heap_push(keys, items, size, through + estimate, v)

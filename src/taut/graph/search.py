@@ -24,7 +24,7 @@ def dijkstra(graph: Graph, source: int) -> tuple[Floats, Ints]:
         ``source`` is not a vertex.
     """
     source = check_vertex(graph, source)
-    return _kernels.dijkstra(graph.indptr, graph.indices, graph.weights, source)
+    return _kernels.dijkstra(graph.indptr, graph.indices, graph.weights, np.array([source]), np.zeros(1))
 
 
 def astar(graph: Graph, positions: Floats, source: int, target: int) -> tuple[float, Ints]:

@@ -1,11 +1,15 @@
-"""Route: the path of one robot, without time."""
+"""Route: the path of one robot, without time; and what is said where there is none."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from taut.errors import GoalBlocked, NoPath, StartBlocked
+from taut.freespace import FreeSpace
+from taut.geometry.triangulation import Ints
 from taut.scene import FloatArray
 
 
@@ -24,3 +28,61 @@ class Route:
     def length(self) -> float:
         """Metres."""
         return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+
+
+def in_turn(starts: ArrayLike, goals: ArrayLike) -> FloatArray:
+    """Starts and goals in turn, (2 k, 2): start 0, goal 0, start 1 and so on.
+
+    Raises
+    ------
+    ValueError
+        They are not (k, 2) points, or not as many of one as of the other.
+    """
+    a, b = points_of(starts, "starts"), points_of(goals, "goals")
+    if len(a) != len(b):
+        raise ValueError(f"every start needs its goal: got {len(a)} starts and {len(b)} goals")
+    return np.stack([a, b], axis=1).reshape(-1, 2)
+
+
+def points_of(places: ArrayLike, what: str) -> FloatArray:
+    """The places as an array (k, 2).
+
+    Raises
+    ------
+    ValueError
+        They are of another shape.
+    """
+    xy = np.asarray(places, dtype=np.float64)
+    if xy.size == 0:
+        return np.empty((0, 2))
+    if xy.ndim > 2 or xy.shape[-1] != 2:
+        raise ValueError(f"{what} must be points (x, y) in an array (k, 2), got shape {xy.shape}")
+    return xy.reshape(-1, 2)
+
+
+def require_free(freespace: FreeSpace, given: FloatArray, triangles: Ints) -> None:
+    """Raise unless all starts and goals, in turn, are in free space: none has triangle −1.
+
+    Raises
+    ------
+    StartBlocked, GoalBlocked
+        The first that is not.
+    """
+    for k in np.flatnonzero(triangles < 0).tolist():
+        error, word = (StartBlocked, "start") if k % 2 == 0 else (GoalBlocked, "goal")
+        x, y = given[k]
+        raise error(f"{word} ({x:g}, {y:g}) is not in free space (growth {freespace.growth:g} m)")
+
+
+def require_found(freespace: FreeSpace, given: FloatArray, lengths: FloatArray) -> None:
+    """Raise unless all lengths (k,) between starts and goals, given in turn, are finite.
+
+    Raises
+    ------
+    NoPath
+        The first that is not.
+    """
+    for k in np.flatnonzero(np.isinf(lengths)).tolist():
+        a, b = given[2 * k], given[2 * k + 1]
+        grown = f" grown by {freespace.growth:g} m" if freespace.growth else ""
+        raise NoPath("", f"no way from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): obstacles{grown} separate them")

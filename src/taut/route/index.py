@@ -1,0 +1,208 @@
+"""PathIndex: a free space prepared for many shortest paths, asked in batches without Python in the loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from taut.chunks import over_chunks
+from taut.errors import StartBlocked
+from taut.freespace import FreeSpace
+from taut.geometry.seeing import see_each_other
+from taut.geometry.triangulation import Floats, Ints
+from taut.graph import HubLabels, _kernels, hub_labels, label_distances_between, label_paths
+from taut.roadmap import VisibilityGraph, visibility_graph
+from taut.route.core import in_turn, points_of, require_found, require_free
+from taut.route.states import Attached, TautStates, attach, search, states_of, taut_states
+
+_CHUNK = 256
+
+
+@dataclass(frozen=True, eq=False)
+class PathIndex:
+    """What `prepare` gives: everything that shortest paths in one free space have in common.
+
+    Parameters
+    ----------
+    freespace : where the paths lie.
+    tangents : its tangent graph.
+    states : the same for A*.
+    labels : hub labels of the tangent graph, or None.
+    """
+
+    freespace: FreeSpace
+    tangents: VisibilityGraph
+    states: TautStates
+    labels: HubLabels | None
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """Many shortest paths in compressed sparse rows.
+
+    Parameters
+    ----------
+    lengths : (k,) metres.
+    start : (k + 1,) where each path begins in ``points``.
+    points : (p, 2) metres, path after path from start to goal.
+    """
+
+    lengths: Floats
+    start: Ints
+    points: Floats
+
+    def __len__(self) -> int:
+        """Return the number of paths."""
+        return len(self.lengths)
+
+    def __getitem__(self, k: int) -> Floats:
+        """Return the points of path k, (j, 2)."""
+        if not -len(self) <= k < len(self):
+            raise IndexError(f"path {k} of {len(self)}")
+        k %= len(self)
+        return self.points[self.start[k] : self.start[k + 1]]
+
+
+def prepare(
+    freespace: FreeSpace, index: Literal["graph", "labels"] = "graph", most_bytes: int | None = None
+) -> PathIndex:
+    """Prepare a free space for many shortest paths.
+
+    Parameters
+    ----------
+    index : "graph": the tangent graph, searched by A*. "labels": hub labels on top, which answer in microseconds but
+        take long to build and much memory; see ``labels.build_seconds`` and ``labels.bytes`` of what comes back.
+    most_bytes : the most that labels may take; None for no bound.
+
+    Raises
+    ------
+    ValueError
+        ``index`` is none of these.
+    TautError
+        The labels would take more than ``most_bytes``.
+
+    >>> from taut import FreeSpace, Scene
+    >>> distances(prepare(FreeSpace(Scene((0, 0, 4, 3)))), [(0, 0)], [(3, 0)])
+    array([3.])
+    """
+    if index not in ("graph", "labels"):
+        raise ValueError(f'index must be "graph" or "labels", got {index!r}')
+    tangents = visibility_graph(freespace)
+    labels = hub_labels(tangents.graph, most_bytes=most_bytes) if index == "labels" else None
+    return PathIndex(freespace, tangents, taut_states(freespace, tangents), labels)
+
+
+def distances(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Floats:
+    """Lengths of shortest paths from each of (k, 2) points to the one in the same row, (k,); inf where there is none.
+
+    Raises
+    ------
+    StartBlocked, GoalBlocked
+        A point is not in free space.
+    ValueError
+        Not as many points of one kind as of the other.
+    """
+    ends = _attached(index, a, b)
+    if index.labels is None:
+        return search(index.freespace.mesh, index.states, ends)[0]
+    return _by_labels(index, index.labels, ends)[0]
+
+
+def paths(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Paths:
+    """Shortest paths from each of (k, 2) points to the one in the same row.
+
+    Raises
+    ------
+    StartBlocked, GoalBlocked
+        A point is not in free space.
+    NoPath
+        Obstacles separate two points.
+    ValueError
+        Not as many points of one kind as of the other.
+    """
+    ends = _attached(index, a, b)
+    if index.labels is None:
+        lengths, start, path = search(index.freespace.mesh, index.states, ends)
+    else:
+        lengths, passed = _by_labels(index, index.labels, ends)
+        through = np.flatnonzero(passed[:, 0] >= 0)
+        counts = np.zeros(len(lengths), dtype=np.int64)
+        steps, path = label_paths(index.labels, passed[through, 0], passed[through, 1])
+        counts[through] = np.diff(steps)
+        start = np.append(0, np.cumsum(counts))
+    require_found(index.freespace, ends.given, lengths)
+    k = len(lengths)
+    if k == 0:
+        return Paths(lengths, np.zeros(1, dtype=np.int64), np.empty((0, 2)))
+    # every path is its start, its corners, its goal: corners move back by one place for each end before them
+    between = start + 2 * np.arange(k + 1)
+    points = np.empty((between[-1], 2))
+    points[between[:-1]] = ends.given[::2]
+    points[between[1:] - 1] = ends.given[1::2]
+    points[np.arange(len(path)) + 2 * np.repeat(np.arange(k), np.diff(start)) + 1] = index.tangents.positions[path]
+    fresh = np.append(True, (points[1:] != points[:-1]).any(axis=1))
+    fresh[between[:-1]] = True
+    counts = np.add.reduceat(fresh.astype(np.int64), between[:-1])
+    return Paths(lengths, np.append(0, np.cumsum(counts)), points[fresh])
+
+
+def distances_from(index: PathIndex, a: ArrayLike, points: ArrayLike) -> Floats:
+    """Lengths of shortest paths from one point to each of (k, 2) points, (k,); inf where there is none.
+
+    One search over the whole graph (Dijkstra); points that are not free are infinitely far.
+
+    Raises
+    ------
+    StartBlocked
+        ``a`` is not in free space.
+    ValueError
+        ``a`` is not one point.
+    """
+    source, places = points_of(a, "a"), points_of(points, "points")
+    if len(source) != 1:
+        raise ValueError(f"a must be one point (x, y), got {len(source)}")
+    ends = attach(index.freespace, index.tangents, np.concatenate([source, places]))
+    if ends.triangles[0] < 0:
+        raise StartBlocked(f"start ({source[0, 0]:g}, {source[0, 1]:g}) is not in free space")
+    states = index.states
+    _, near = states_of(ends, np.zeros(1, dtype=np.int64), 1)
+    offsets = np.hypot(*(states.positions[near] - ends.points[0]).T)
+    known, _ = _kernels.dijkstra(states.indptr, states.heads, states.lengths, near, offsets)
+    out = np.full(len(places), np.inf)
+    first, there = states_of(ends, np.arange(1, len(places) + 1), -1)
+    row = np.repeat(np.arange(len(places)), np.diff(first))
+    np.minimum.at(out, row, known[there] + np.hypot(*(states.positions[there] - ends.points[1 + row]).T))
+    free = np.flatnonzero(ends.triangles[1:] >= 0)
+    seen = free[see_each_other(index.freespace.mesh, ends.points, ends.triangles, np.zeros_like(free), free + 1)]
+    out[seen] = np.hypot(*(ends.points[1 + seen] - ends.points[0]).T)
+    return out
+
+
+def _attached(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Attached:
+    ends = attach(index.freespace, index.tangents, in_turn(a, b))
+    require_free(index.freespace, ends.given, ends.triangles)
+    return ends
+
+
+def _by_labels(index: PathIndex, labels: HubLabels, ends: Attached) -> tuple[Floats, Ints]:
+    """Lengths between places 0 and 1, 2 and 3, … and the corners where each enters and leaves the graph, or −1s."""
+    starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
+    direct = see_each_other(index.freespace.mesh, ends.points, ends.triangles, starts, starts + 1)
+    far = starts[~direct]
+    positions = index.tangents.positions
+    place = np.repeat(np.arange(len(ends.points)), np.diff(ends.first))
+    offsets = np.hypot(*(positions[ends.corners] - ends.points[place]).T)
+    joined = positions, ends.points, ends.first, ends.corners, offsets
+
+    def chunk(first: int, last: int) -> tuple[Floats, Ints]:
+        return label_distances_between(labels, *joined, far[first:last], far[first:last] + 1)
+
+    lengths = np.hypot(*(ends.points[1::2] - ends.points[::2]).T)
+    passed = np.full((len(starts), 2), -1, dtype=np.int64)
+    for first, (length, corners) in zip(range(0, len(far), _CHUNK), over_chunks(chunk, len(far), _CHUNK), strict=True):
+        own = far[first : first + _CHUNK] // 2
+        lengths[own], passed[own] = length, corners
+    return lengths, passed
