@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -168,11 +169,27 @@ def test_fewer_additions_come_back_when_candidates_run_out() -> None:
         ([(0, 2)], [0.0], "positive"),
         ([(0, 2)], [np.nan], "positive"),
         ([(0, 2)], [1.0, 2.0], "1 candidates but 2 weights"),
+        ([(0.5, 2)], None, "whole numbers"),
+        ([(0, 1, 2, 0)], None, "pairs"),
     ],
 )
-def test_bad_candidates_are_refused(candidates: list[tuple[int, int]], weights: list[float] | None, said: str) -> None:
+def test_bad_candidates_are_refused(
+    candidates: list[tuple[float, ...]], weights: list[float] | None, said: str
+) -> None:
     with pytest.raises(ValueError, match=said):
         connectivity_with(Graph.from_edges(3, [(0, 1)]), candidates, weights)
+
+
+@pytest.mark.parametrize("unit", [1e-300, 1e-200, 1e-160, 1.0, 1e155, 1e200, 1e300])
+def test_units_of_weight_do_not_matter(unit: float) -> None:
+    path = Graph.from_edges(4, [(0, 1), (1, 2), (2, 3)], [unit] * 3)
+    assert connectivity_with(path, [(0, 3)], [unit])[0] / unit == pytest.approx(2.0, rel=1e-12)
+    assert best_edges(path, [(0, 2), (0, 3), (1, 3)], [unit] * 3)[0].edge == (0, 3)
+    apart = Graph.from_edges(4, [(0, 1), (2, 3)], [unit] * 2)
+    joined = connectivity_with(apart, [(0, 3)], [unit])[0]
+    assert joined / unit == pytest.approx(2 - math.sqrt(2), rel=1e-12)
+    ring = Graph.from_edges(3, [(0, 1), (1, 2), (0, 2)], [unit] * 3)
+    np.testing.assert_allclose(connectivity_without(ring) / unit, 1.0, rtol=1e-12)
 
 
 @settings(max_examples=60, deadline=None)

@@ -330,6 +330,9 @@ def test_a_split_by_hand_is_taken_and_wrong_names_are_refused() -> None:
         taut.plan(scene, method="mrppa", split=["O9"])
     with pytest.raises(SceneError, match="mrppa"):
         taut.plan(scene, split=["O1"])
+    for names, said in (([], "nothing is on"), ("O1", r"give a list of names, like \['O1'\]")):
+        with pytest.raises(SceneError, match=said):
+            taut.plan(scene, method="mrppa", split=names)
 
 
 def test_weights_other_than_one_change_the_choice_and_bad_ones_are_refused() -> None:
@@ -340,7 +343,7 @@ def test_weights_other_than_one_change_the_choice_and_bad_ones_are_refused() -> 
     assert first.ground.roadmap.lengths[first.edge] > 10
     with pytest.raises(SceneError, match="'heavy' is not one of"):
         taut.plan(scene, method="mrppa", weight="heavy")
-    with pytest.raises(ValueError, match="finite, positive"):
+    with pytest.raises(ValueError, match="positive weight"):
         taut.plan(scene, method="mrppa", weight=lambda d: d * 0)
     with pytest.raises(SceneError, match="mrppa"):
         taut.plan(scene, weight="one")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import taut
-from taut.scene import Rectangle, Robot, Scene
+from taut.scene import Circle, Rectangle, Robot, Scene
 from taut.team import Result
 from taut.team.conflicts import Conflict
 from taut.team.stages import SequenceStage
@@ -83,6 +83,36 @@ def test_a_start_still_held_is_told_apart() -> None:
     robots = [Robot("A", (1, 5), (19, 5), radius=0.3), Robot("B", (2.5, 5), (2.5, 9), radius=0.3)]
     conflicts = met(planned(robots))["A"]
     assert [(c.other, c.kind) for c in conflicts] == [("B", "held start")]
+
+
+def test_with_a_headway_only_those_nearby_in_time_are_met() -> None:
+    robots = [
+        Robot("B", (-4, 5), (9.5, 5), radius=0.2, speed=0.5),
+        Robot("C", (2, 8), (9, 8), radius=0.2, start_time=5),
+        Robot("A", (5, 5), (5, 9.5), radius=0.2, start_time=5),
+    ]
+    result = taut.plan(Scene((-6, 0, 10, 10), [], robots, gap=0.05, headway=0.1), order="given")
+    assert {c.other for c in met(result)["A"]} == {"C"}
+
+
+def test_with_a_headway_one_encounter_is_told_once() -> None:
+    robots = [Robot("A", (1, 2), (19, 2), radius=0.3), Robot("B", (2, 1.3), (19, 1), radius=0.3)]
+    scene = Scene((0, 0, 20, 10), [Circle((10, 1), 3, "O")], robots, gap=0.05, headway=0.25)
+    result = taut.plan(scene, order="given")
+    (conflict,) = met(result)["B"]
+    route = taut.shortest_path(taut.FreeSpace.of(scene, robots[1]), (2, 1.3), (19, 1))
+    assert math.dist(_alone(route.points, robots[1], conflict.time), conflict.place) < 1e-6
+
+
+def test_kind_time_and_place_are_of_one_instant() -> None:
+    robots = [
+        Robot("B", (6, 3), (6.5, 5.5), radius=0.3, speed=0.3, start_time=4.5),
+        Robot("A", (1, 3), (11, 3), radius=0.3),
+    ]
+    result = taut.plan(Scene((0, 0, 12, 6), [], robots, gap=0.05))
+    (conflict,) = met(result)["A"]
+    assert conflict.time > 4.5
+    assert conflict.kind == "crossing in the open"
 
 
 @pytest.mark.parametrize("seed", range(12))

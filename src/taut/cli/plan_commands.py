@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -47,7 +48,7 @@ def plan(
         WeightName | None, typer.Option(help="What an edge weighs in λ2 (with --method mrppa; one if not given).")
     ] = None,
     split: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(metavar="NAMES", help='One side of the cut by hand, like "O1,O4,R1 start" (--method mrppa).'),
     ] = None,
     stages: Annotated[
@@ -72,9 +73,15 @@ def plan(
         from taut.figures.album import require_album
 
         require_album(stages)
+        for path in (output, figure, animate):
+            if path is not None and path.parent.resolve() == stages.resolve():
+                raise typer.BadParameter(
+                    f"{path} must not be among the stages; choose another folder", param_hint="--stages"
+                )
 
     from taut.formats import load_scene, save
     from taut.team import plan as plan_team
+    from taut.team.mrppa import split_names
     from taut.team.telling import stage_data
 
     began = time.perf_counter()
@@ -93,7 +100,7 @@ def plan(
             seconds=seconds,
             progress=passed,
             weight=None if weight is None else weight.value,
-            split=None if split is None else [name.strip() for name in split.split(",") if name.strip()],
+            split=None if split is None else _names(split, split_names(world)),
         )
     report = plan_report(result.plan, result.certificate, list(result.shortest), list(result.detours))
     report["notes"] = list(result.notes)
@@ -119,6 +126,13 @@ def plan(
             say(f"wrote {name}")
     if not result.certificate.ok:
         complain("the plan does not hold, see the problems above; nothing was written")
+
+
+def _names(values: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Read names with commas between; a name that has a comma itself may be given in an option of its own."""
+    return [
+        name.strip() for value in values for name in ([value] if value in known else value.split(",")) if name.strip()
+    ]
 
 
 def verify(

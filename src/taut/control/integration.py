@@ -111,6 +111,8 @@ def _checked_names(names: Sequence[str] | None, n: int) -> Sequence[str]:
 def _spans(seconds: float, jumps: ArrayLike) -> list[tuple[float, float]]:
     """Return the stretches of time between jumps."""
     when = np.unique(np.asarray(jumps, dtype=np.float64))
+    if not np.isfinite(when).all():
+        raise ValueError("jumps must be finite times in seconds")
     inside = when[(when > 0) & (when < seconds)]
     return list(pairwise([0.0, *inside.tolist(), seconds]))
 

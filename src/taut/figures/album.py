@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:  # the planner is imported when there are stages: `require_alb
 
 INDEX = "stages.json"
 DPI = 200
+_STAGE_FILE = re.compile(r"\d+-[a-z-]+\.(png|txt|json)")
 
 
 def require_album(folder: str | os.PathLike[str]) -> None:
@@ -45,7 +47,7 @@ def require_album(folder: str | os.PathLike[str]) -> None:
         raise _refusal(home, error) from None
 
 
-def save_stages(stages: Sequence[Stage], folder: str | os.PathLike[str]) -> list[Path]:
+def save_stages(stages: Iterable[Stage], folder: str | os.PathLike[str]) -> list[Path]:
     """Write each stage into a folder: ``01-free-space.png``, ``.txt`` and ``.json``, and at last ``stages.json``.
 
     The index lists the files of every stage. The folder is made if need be. One that holds an album already is written
@@ -67,12 +69,13 @@ def save_stages(stages: Sequence[Stage], folder: str | os.PathLike[str]) -> list
         The folder holds other files, or cannot be written.
     """
     home = Path(folder)
+    stages = list(stages)
+    new = _entries(stages)
     old = _known(home)
     try:
         home.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
         raise _refusal(home, error) from None
-    new = _entries(stages)
     # the index knows every file before it is there, so that an album broken off is one still
     _write_index(home, [*old, *new])
     for stage, entry in zip(stages, new, strict=True):
@@ -87,6 +90,8 @@ def save_stages(stages: Sequence[Stage], folder: str | os.PathLike[str]) -> list
 def _known(home: Path) -> list[Mapping[str, Any]]:
     """Return what the index of the folder lists, nothing of a folder that is missing or empty."""
     try:
+        if home.is_symlink() and not home.exists():
+            raise OutputError(f"{home}: stages cannot be written there, it is a link to nothing")
         if not home.exists():
             return []
         if not home.is_dir():
@@ -101,7 +106,16 @@ def _known(home: Path) -> list[Mapping[str, Any]]:
         text = ""
     except (OSError, ValueError) as error:
         raise _refusal(home, error) from None
-    return _listed(home, text)
+    entries = _listed(home, text)
+    known = _files(entries)
+    for path in sorted(home.iterdir()):
+        if not _STAGE_FILE.fullmatch(path.name):
+            continue
+        if not path.is_file():
+            raise OutputError(f"{path}: a stage cannot be written there, it is not a file")
+        if path.name not in known:
+            raise OutputError(f"{path}: is not of the stages that {INDEX} lists, and would be replaced; move it away")
+    return entries
 
 
 def _listed(home: Path, text: str) -> list[Mapping[str, Any]]:

@@ -81,8 +81,10 @@ def draw_sides(axes: Axes, split: SplitStage, faint: float = 0.0) -> None:
     first = np.unique(ground.groups, return_index=True)[1]
     hue_of = {
         name: SIDES[side]
-        for side, members in zip(split.side[first].astype(int).tolist(), ground.members, strict=True)
+        for vertex, members in zip(first.tolist(), ground.members, strict=True)
+        for side in [int(split.side[vertex])]
         for name in members
+        if vertex < ground.first_end
     }
     hues = [hue_of.get(obstacle.name, GRAPH) for obstacle in scene.obstacles]
     axes.collections[-1].set(  # the obstacles, drawn last
@@ -217,7 +219,7 @@ def value_labels(axes: Axes, split: SplitStage) -> tuple[list[Label], list[tuple
     for vertex, members, value in zip(first, ground.members, split.values.tolist(), strict=True):
         text = _signed(value)
         hue = darker(SIDES[int(split.side[vertex])])
-        inside = [name for name in members if name in obstacles]
+        inside = members if vertex < ground.first_end else ()
         if not inside:
             whose = ", ".join(dict.fromkeys(member.rpartition(" ")[0] for member in members))
             place = _point(ground.roadmap.positions[vertex])

@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 
 from taut.graph import _secular_kernels
 from taut.graph.connectedness import components, cut_edges
-from taut.graph.core import Floats, Graph, Ints
+from taut.graph.core import Floats, Graph, Ints, vertex_pairs
 from taut.graph.spectral import Eigenpairs, algebraic_connectivity, eigenpairs
 
 #: Values of λ2 that differ by less than this share of λ_max are equal.
 TIE = 1e-12
+# a stronger edge holds its ends together no better, as far as doubles can tell
+_ENDLESS = 1e150
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,9 @@ def connectivity_without(graph: Graph) -> Floats:
     stays = ~np.isin(edges[:, 0] * graph.n + edges[:, 1], cuts[:, 0] * graph.n + cuts[:, 1])
     if stays.any():
         pairs = eigenpairs(graph)
-        found = _secular_kernels.losses(pairs.values, _by_vertex(pairs), edges[stays], graph.lengths[stays])
+        unit = float(pairs.values[-1])
+        lost = graph.lengths[stays] / unit
+        found = unit * _secular_kernels.losses(pairs.values / unit, _by_vertex(pairs), edges[stays], lost)
         # what is left is connected, so that only rounding can have made it 0
         out[stays] = np.maximum(found, np.finfo(np.float64).tiny)
     return out
@@ -104,6 +108,8 @@ def best_edges(
     >>> best_edges(path, [(0, 2), (0, 3)])[0].edge
     (0, 3)
     """
+    if count < 0:
+        raise ValueError(f"count must be at least 0, got {count}")
     pairs, values = _checked(graph, candidates, weights)
     left = np.arange(len(pairs))
     chosen: list[Addition] = []
@@ -143,8 +149,12 @@ def _with(decomposed: Eigenpairs, pairs: Ints, weights: Floats) -> Floats:
     if len(pairs) == 0 or labels.max() > 1:
         return np.zeros(len(pairs))
     values, vectors = decomposed.values, _by_vertex(decomposed)
+    # in units of the largest eigenvalue, or of the weights where there is none, nothing over- or underflows
+    unit = float(values[-1]) if len(values) else float(weights.max())
+    values = values / unit
+    gained = np.minimum(weights / unit, _ENDLESS)
     if labels.max() == 0:
-        return _secular_kernels.gains(values, vectors, pairs, weights)
+        return unit * _secular_kernels.gains(values, vectors, pairs, gained)
     # of two components the null space has one vector besides the constant: a on one side, −b on the other
     out = np.zeros(len(pairs))
     joins = labels[pairs[:, 0]] != labels[pairs[:, 1]]
@@ -152,7 +162,9 @@ def _with(decomposed: Eigenpairs, pairs: Ints, weights: Floats) -> Floats:
     between = np.where(labels == 0, other, other - n) / np.sqrt(n * other * (n - other))
     values = np.append(0.0, values)
     vectors = np.ascontiguousarray(np.column_stack([between, vectors]))
-    out[joins] = _secular_kernels.gains(values, vectors, pairs[joins], weights[joins])
+    found = unit * _secular_kernels.gains(values, vectors, pairs[joins], gained[joins])
+    # what is joined is connected, so that only rounding can have made it 0
+    out[joins] = np.maximum(found, np.finfo(np.float64).smallest_subnormal)
     return out
 
 
@@ -163,7 +175,7 @@ def _by_vertex(decomposed: Eigenpairs) -> Floats:
 
 def _ranked(decomposed: Eigenpairs, pairs: Ints, after: Floats) -> Ints:
     """Numbers of the best candidate and of the next."""
-    largest = float(decomposed.values[-1]) if len(decomposed.values) else 1.0
+    largest = float(decomposed.values[-1]) if len(decomposed.values) else 0.0
     joins = decomposed.labels[pairs[:, 0]] != decomposed.labels[pairs[:, 1]]
     low, high = pairs.min(axis=1), pairs.max(axis=1)
     left = np.arange(len(after))
@@ -182,7 +194,7 @@ def _edge(pair: Ints) -> tuple[int, int]:
 
 
 def _checked(graph: Graph, candidates: ArrayLike, weights: ArrayLike | None) -> tuple[Ints, Floats]:
-    pairs = np.array(candidates, dtype=np.int64).reshape(-1, 2)
+    pairs = vertex_pairs(candidates, "candidates")
     values = np.ones(len(pairs)) if weights is None else np.array(weights, dtype=np.float64).reshape(-1)
     if len(values) != len(pairs):
         raise ValueError(f"{len(pairs)} candidates but {len(values)} weights")

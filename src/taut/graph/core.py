@@ -13,6 +13,25 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+def vertex_pairs(values: ArrayLike, what: str) -> Ints:
+    """Return pairs of vertices as an array (m, 2).
+
+    Raises
+    ------
+    ValueError
+        They are not pairs, or not whole numbers.
+    """
+    given = np.asarray(values)
+    if given.size == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    if given.ndim != 2 or given.shape[1] != 2:
+        raise ValueError(f"{what} must be pairs of vertices, (m, 2), got shape {given.shape}")
+    pairs = given.astype(np.int64)
+    if not (pairs == given).all():
+        raise ValueError(f"{what} must name vertices by whole numbers")
+    return np.ascontiguousarray(pairs)
+
+
 @dataclass(frozen=True, eq=False)
 class Graph:
     """An undirected graph without loops or parallel edges, in compressed sparse rows.
@@ -38,9 +57,12 @@ class Graph:
         Raises
         ------
         ValueError
-            A vertex out of range, a loop, an edge given twice, a negative or non-finite weight, or unequal counts.
+            Not pairs of whole numbers, a vertex out of range, a loop, an edge given twice, a negative or non-finite
+            weight, or unequal counts.
         """
-        pairs = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+        pairs = vertex_pairs(edges, "edges")
+        if n != int(n) or n < 0:
+            raise ValueError(f"a graph has a whole number of vertices, at least 0, not {n}")
         values = np.ones(len(pairs)) if weights is None else np.asarray(weights, dtype=np.float64).reshape(-1)
         if len(values) != len(pairs):
             raise ValueError(f"{len(pairs)} edges but {len(values)} weights")
@@ -50,7 +72,7 @@ class Graph:
             raise ValueError("an edge joins a vertex with itself")
         if not (np.isfinite(values).all() and (values >= 0).all()):
             raise ValueError("weights must be finite and not negative")
-        indptr, indices, both, twice = _kernels.compressed(n, np.ascontiguousarray(pairs), values)
+        indptr, indices, both, twice = _kernels.compressed(int(n), pairs, values)
         if twice >= 0:
             raise ValueError("an edge is given twice")
         return cls(indptr, indices, both)

@@ -32,9 +32,10 @@ def contracted(graph: Graph, groups: ArrayLike) -> Graph:
     >>> contracted(square, [0, 0, 1, 1]).lengths
     array([2.])
     """
-    group = np.asarray(groups, dtype=np.int64).reshape(-1)
-    if len(group) != graph.n or (graph.n and group.min() < 0):
-        raise ValueError(f"groups must give each of the {graph.n} vertices a number from 0 on")
+    given = np.asarray(groups).reshape(-1)
+    group = given.astype(np.int64)
+    if len(group) != graph.n or not (group == given).all() or (graph.n and group.min() < 0):
+        raise ValueError(f"groups must give each of the {graph.n} vertices a whole number from 0 on")
     count = int(group.max()) + 1 if graph.n else 0
     ends = np.sort(group[graph.edges], axis=1)
     between = ends[:, 0] != ends[:, 1]
@@ -81,8 +82,15 @@ def in_one_piece(graph: Graph, side: Bools) -> Bools:
     """Move the pieces of each side that are not its largest to the other; of a connected graph both become connected.
 
     Of pieces of equal size the one with the smallest vertex stays.
+
+    Raises
+    ------
+    ValueError
+        Not one side a vertex.
     """
-    out = side.copy()
+    out = np.array(side, dtype=np.bool_)
+    if out.shape != (graph.n,):
+        raise ValueError(f"side must tell for each of the {graph.n} vertices, got shape {out.shape}")
     for value in (True, False):
         members = np.flatnonzero(out == value)
         if len(members) == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -11,7 +12,6 @@ import numpy as np
 from taut.motion import Trajectory
 from taut.scene import Point
 from taut.team import _kernels
-from taut.team._kernels import Floats
 from taut.team.prioritized import Round
 from taut.team.reservations import Reservations, distances_from
 from taut.team.world import World
@@ -22,6 +22,7 @@ Kind: TypeAlias = Literal[
 
 #: Robots whose directions differ by less than 30° follow each other; by more than 150° they come head-on.
 _ALONG = math.cos(math.radians(30))
+_GOLDEN = (math.sqrt(5) - 1) / 2
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,10 @@ class Conflict:
     Parameters
     ----------
     robot, other : names; ``robot`` was planned later and gave way.
-    kind : "head-on" or "catching up" within 30° of one line; else "crossroads" if both ways have a vertex there, and
-        "crossing in the open" if not; "standing" where the other one rests; "passed over" where the other one passes
-        over the robot's own start or goal while it stands there; "held start" where a robot not planned yet stood.
+    kind : of the two motions at ``time``. "head-on" or "catching up" within 30° of one line; else "crossroads" if both
+        straight moves have an end in common, and "crossing in the open" if not. "standing" where the other one rests;
+        "passed over" where the other one passes over the robot's own start or goal while it stands there; "held start"
+        where a robot not planned yet stood.
     time, place : when and where ``robot`` would have been when the two were nearest, seconds and metres.
     resolution : "wait" if it still passes that place, later; "another way" if it does not.
     delay : seconds by which it passes there later; 0 with another way.
@@ -49,20 +51,25 @@ class Conflict:
 
 
 class _Piece(NamedTuple):
-    """A straight move or rest: from a at time t0 to b at time t1."""
+    """A straight move or rest: from (x, y) at time t0 with velocity (vx, vy) until t1."""
 
-    a: Floats
-    b: Floats
+    x: float
+    y: float
     t0: float
     t1: float
+    vx: float
+    vy: float
 
-    @property
-    def velocity(self) -> Floats:
-        rests = math.isinf(self.t1) or (self.a == self.b).all()
-        return np.zeros(2) if rests else np.asarray((self.b - self.a) / (self.t1 - self.t0))
+    def at(self, time: float) -> Point:
+        since = min(max(time, self.t0), self.t1) - self.t0
+        return (self.x + self.vx * since, self.y + self.vy * since) if since else (self.x, self.y)
 
-    def at(self, time: float) -> Floats:
-        return np.asarray(self.a + self.velocity * (min(max(time, self.t0), self.t1) - self.t0))
+
+def _piece(a: Sequence[float], t0: float, b: Sequence[float], t1: float) -> _Piece:
+    (x0, y0), (x1, y1) = a, b
+    if math.isinf(t1) or t1 <= t0:
+        return _Piece(x0, y0, t0, t1, 0.0, 0.0)
+    return _Piece(x0, y0, t0, t1, (x1 - x0) / (t1 - t0), (y1 - y0) / (t1 - t0))
 
 
 class _Meeting(NamedTuple):
@@ -150,54 +157,92 @@ def _meetings(world: World, i: int, reservations: Reservations) -> dict[int, lis
     tau = np.hypot(*np.diff(points, axis=0).T) / robot.speed
     times = robot.start_time + np.append(0.0, np.cumsum(tau))
     edges = [
-        _Piece(a, b, t0, t1)
-        for a, b, t0, t1 in zip(points, points[1:], times.tolist(), times[1:].tolist(), strict=False)
+        _piece(a, t0, b, t1)
+        for a, b, t0, t1 in zip(points.tolist(), points[1:].tolist(), times.tolist(), times[1:].tolist(), strict=False)
     ]
     if edges:
         kernel = _kernels.blockers(np.ascontiguousarray(points), tau, times[:-1], arrays, i, world.body(i))
         found += [(leg, edges[k]) for leg, k in zip(*(x.tolist() for x in kernel), strict=True)]
-    rests = [_Piece(points[0], points[0], 0.0, robot.start_time)] if edges else []
+    start, goal = points[0].tolist(), points[-1].tolist()
+    rests = [_piece(start, 0.0, start, robot.start_time)] if edges else []
     if scene.stays(robot):
-        rests.append(_Piece(points[-1], points[-1], float(times[-1]) if edges else 0.0, math.inf))
+        rests.append(_piece(goal, float(times[-1]) if edges else 0.0, goal, math.inf))
     reach = robot.radius + radii + scene.gap - scene.tol / 2
     for rest in rests:
-        near = (distances_from(legs, rest.a) < reach) & (legs[:, 2] <= rest.t1) & (legs[:, 5] >= rest.t0)
-        found += [(leg, rest) for leg in np.flatnonzero(near & (robots != i) & (robots >= 0)).tolist()]
+        near = (distances_from(legs, np.array([rest.x, rest.y])) < reach) & (legs[:, 2] <= rest.t1)
+        near &= (legs[:, 5] >= rest.t0) & (robots != i) & (robots >= 0)
+        found += [(leg, rest) for leg in np.flatnonzero(near).tolist()]
     out: dict[int, list[_Meeting]] = {}
     for leg, mine in found:
         x0, y0, t0, x1, y1, t1 = legs[leg].tolist()
-        theirs = _Piece(np.array([x0, y0]), np.array([x1, y1]), t0, t1)
-        meeting = _meeting(mine, theirs, float(reach[leg]), scene.headway)
+        meeting = _meeting(mine, _piece((x0, y0), t0, (x1, y1), t1), float(reach[leg]), scene.headway)
         if meeting is not None:
             out.setdefault(int(robots[leg]), []).append(meeting)
     return out
 
 
 def _meeting(mine: _Piece, theirs: _Piece, reach: float, headway: float) -> _Meeting | None:
-    """When the two are within ``reach``, and nearest; None if never while both pieces last, give or take a headway."""
-    begin, end = max(mine.t0, theirs.t0), min(mine.t1, theirs.t1)
-    if begin > end + headway:
+    """When the first is within ``reach`` of where the second is within a headway of that time; None if never."""
+    begin, end = max(mine.t0, theirs.t0 - headway), min(mine.t1, theirs.t1 + headway)
+    if begin > end:
         return None
-    end = max(begin, end)
-    velocity = mine.velocity - theirs.velocity
-    apart = mine.at(begin) - theirs.at(begin)
-    square, dot = float(velocity @ velocity), float(apart @ velocity)
-    least = begin - dot / square if square > 0 else begin
-    time = min(max(least, begin), end)
-    away = math.hypot(*(mine.at(time) - theirs.at(time)))
-    if away >= reach and headway == 0:
+    if math.isinf(end):  # both rest at last
+        end = max(begin, mine.t0, theirs.t0 + headway)
+
+    def away(time: float) -> float:
+        x, y = mine.at(time)
+        (ax, ay), (bx, by) = theirs.at(time - headway), theirs.at(time + headway)
+        ex, ey = bx - ax, by - ay
+        square = ex * ex + ey * ey
+        share = min(max(((x - ax) * ex + (y - ay) * ey) / square, 0.0), 1.0) if square > 0 else 0.0
+        return math.hypot(ax + share * ex - x, ay + share * ey - y)
+
+    if headway > 0:
+        nearest = _least(away, begin, end)
+    else:
+        (x, y), (a, b) = mine.at(begin), theirs.at(begin)
+        vx, vy = mine.vx - theirs.vx, mine.vy - theirs.vy
+        square = vx * vx + vy * vy
+        nearest = min(max(begin - ((x - a) * vx + (y - b) * vy) / square, begin), end) if square > 0 else begin
+    least = away(nearest)
+    if least >= reach:
         return None
-    since, until = begin, end
-    if square > 0:
-        missed = apart + velocity * (least - begin)
-        half = math.sqrt(max(0.0, reach * reach - float(missed @ missed)) / square)
-        since, until = max(begin, least - half), min(end, least + half)
-    x, y = mine.at(time).tolist()
-    return _Meeting(since, until, _kind(mine, theirs), time, (x, y), away)
+    since, until = (_crossing(away, reach, nearest, limit) for limit in (begin, end))
+    return _Meeting(since, until, _kind(mine, theirs), nearest, mine.at(nearest), least)
+
+
+def _least(away: Callable[[float], float], begin: float, end: float) -> float:
+    """Find where a convex function is least (golden section)."""
+    low, high = begin, end
+    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_left, at_right = away(left), away(right)
+    while right - left > 2**-40 * max(1.0, abs(high)):
+        if at_left <= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - _GOLDEN * (high - low)
+            at_left = away(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + _GOLDEN * (high - low)
+            at_right = away(right)
+    return min((begin, (low + high) / 2, end), key=away)
+
+
+def _crossing(away: Callable[[float], float], reach: float, inside: float, outside: float) -> float:
+    """Find where a convex function passes ``reach`` between a time at which it is less and another."""
+    if away(outside) < reach:
+        return outside
+    while abs(outside - inside) > 2**-40 * max(1.0, abs(outside)):
+        middle = (inside + outside) / 2
+        if away(middle) < reach:
+            inside = middle
+        else:
+            outside = middle
+    return inside
 
 
 def _merged(meetings: list[_Meeting]) -> list[_Meeting]:
-    """One meeting for those without a break between: of the kind of the first, at the nearest approach."""
+    """One meeting for those without a break between: as it is where the two are nearest."""
     out: list[_Meeting] = []
     for meeting in sorted(meetings, key=lambda m: (m.since, m.time)):
         last = out[-1] if out else None
@@ -205,37 +250,37 @@ def _merged(meetings: list[_Meeting]) -> list[_Meeting]:
             out.append(meeting)
             continue
         nearest = meeting if meeting.away < last.away else last
-        out[-1] = nearest._replace(since=last.since, until=max(last.until, meeting.until), kind=last.kind)
+        out[-1] = nearest._replace(since=last.since, until=max(last.until, meeting.until))
     return out
 
 
 def _kind(mine: _Piece, theirs: _Piece) -> Kind:
-    v, w = mine.velocity, theirs.velocity
-    if not v.any():
+    speed, other = math.hypot(mine.vx, mine.vy), math.hypot(theirs.vx, theirs.vy)
+    if speed == 0:
         return "passed over"
-    if not w.any():
+    if other == 0:
         return "standing"
-    speeds = math.hypot(*v) * math.hypot(*w)
-    along = float(v @ w) / speeds
+    along = (mine.vx * theirs.vx + mine.vy * theirs.vy) / (speed * other)
     if along > _ALONG:
         return "catching up"
     if along < -_ALONG:
         return "head-on"
-    common = any((p == q).all() for p in (mine.a, mine.b) for q in (theirs.a, theirs.b))
+    ends = [(piece.x, piece.y) for piece in (mine, theirs)], [piece.at(piece.t1) for piece in (mine, theirs)]
+    slack = 2.0**-40 * max(abs(v) for pair in ends for point in pair for v in point)
+    common = any(math.dist(a[0], b[1]) <= slack for a in ends for b in ends)
     return "crossroads" if common else "crossing in the open"
 
 
 def _passes(trajectory: Trajectory, place: Point, tol: float) -> float | None:
     """When the robot, on a move, is within ``tol`` metres of the place for the last time; None if never."""
     stamps = trajectory.stamps
-    here = np.array(place)
     for (t0, *a), (t1, *b) in zip(stamps[-2::-1].tolist(), stamps[:0:-1].tolist(), strict=True):
-        piece = _Piece(np.array(a), np.array(b), t0, t1)
-        v = piece.velocity
-        square = float(v @ v)
+        piece = _piece(a, t0, b, t1)
+        square = piece.vx**2 + piece.vy**2
         if square == 0:
             continue
-        t: float = min(max(t0 + float((here - piece.a) @ v) / square, t0), t1)
-        if math.hypot(*(piece.at(t) - here)) <= tol:
-            return t
+        passed: float = t0 + ((place[0] - piece.x) * piece.vx + (place[1] - piece.y) * piece.vy) / square
+        passed = min(max(passed, t0), t1)
+        if math.dist(piece.at(passed), place) <= tol:
+            return passed
     return 0.0 if len(stamps) == 1 and math.dist(stamps[0, 1:], place) <= tol else None

@@ -54,6 +54,11 @@ class Ground:
     ends: Ints
     left_out: int
 
+    @property
+    def first_end(self) -> int:
+        """The first vertex that is a start or goal; all after it are, too."""
+        return int(self.ends.min())
+
     def graph(self, edges: Bools) -> Graph:
         """Return the graph of these edges (m,) with the weights of λ2."""
         return Graph.from_edges(len(self.names), self.roadmap.edges[edges], self.weights[edges])
@@ -78,8 +83,8 @@ def ground_of(scene: Scene, growth: float, weight: Weight) -> Ground:
     tenants = _tenants(robots)
     whole = visibility_graph(freespace, edges="all", points=list(tenants))
     weights = np.asarray(weight(whole.lengths), dtype=np.float64)
-    if weights.shape != whole.lengths.shape or not (np.isfinite(weights) & (weights > 0)).all():
-        raise ValueError("weight must give every edge a finite, positive weight")
+    if weights.shape != whole.lengths.shape or not (weights > 0).all() or not np.isfinite(weights.sum()):
+        raise ValueError("weight must give every edge a positive weight, and their sum must be finite")
     n = len(whole.positions)
     number = {place: n - len(tenants) + k for k, place in enumerate(tenants)}
     ends = np.array([(number[robot.start], number[robot.goal]) for robot in robots], dtype=np.int64)

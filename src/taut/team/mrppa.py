@@ -71,12 +71,23 @@ def mrppa_stages(
     return tuple(stages)
 
 
+def split_names(scene: Scene) -> list[str]:
+    """Names that a split by hand may put on a side: of obstacles, and of starts and goals."""
+    ends = [f"{robot.name} {word}" for robot in scene.robots for word in ("start", "goal")]
+    return [obstacle.name for obstacle in scene.obstacles] + ends
+
+
 def _require_known(scene: Scene, names: Sequence[str]) -> None:
-    known = [obstacle.name for obstacle in scene.obstacles]
-    known += [f"{robot.name} {word}" for robot in scene.robots for word in ("start", "goal")]
+    known = split_names(scene)
+    if isinstance(names, str):
+        raise SceneError(f"split: give a list of names, like [{names!r}]")
     for name in names:
         if name not in known:
             raise SceneError(f"split: {name!r} is not in the scene; name obstacles (O1) and ends of robots (R1 start)")
+        if known.count(name) > 1:
+            raise SceneError(f"split: {name!r} is both an obstacle and an end of a robot; rename the obstacle")
+    if set(names) in (set(), set(known)):
+        raise SceneError(f"split: {'nothing' if not names else 'everything'} is on the side given; name a part")
 
 
 def _stages_on(ground: Ground, order: Sequence[str], by_hand: Sequence[str] | None) -> Iterator[GraphStage]:

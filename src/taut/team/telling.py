@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from taut.errors import one_line
 from taut.graph import beta_index
 from taut.team.conflicts import Conflict
 from taut.team.ground import Ground
@@ -25,6 +26,10 @@ _MANY = 12
 
 def title(stage: Stage) -> str:
     """Return what a stage is about, in a few words."""
+    return one_line(_title(stage))
+
+
+def _title(stage: Stage) -> str:
     match stage:
         case FreeSpaceStage():
             return "Free space"
@@ -44,6 +49,10 @@ def title(stage: Stage) -> str:
 
 def tell(stage: Stage) -> list[str]:
     """Return what was found, as sentences for people, one line each."""
+    return [one_line(line) for line in _story(stage)]
+
+
+def _story(stage: Stage) -> list[str]:
     match stage:
         case FreeSpaceStage():
             return _tell_free_space(stage)
