@@ -16,7 +16,7 @@ from taut.cli import main
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 WITH_COMMANDS = {"README.md", "start.md", "files.md", "graphs.md", "mrppa.md"}
-WITH_PYTHON = {"README.md", "start.md", "meanings.md", "files.md", "thesis.md", "graphs.md", "mrppa.md"}
+WITH_PYTHON = {"README.md", "start.md", "meanings.md", "files.md", "thesis.md", "graphs.md", "mrppa.md", "paths.md"}
 
 
 @dataclass(frozen=True)

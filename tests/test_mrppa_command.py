@@ -87,7 +87,7 @@ def test_names_with_commas_have_an_option_of_their_own(taut: Command, tmp_path: 
     )
     code, out, _ = taut("odd.yaml", "--method", "mrppa", "--explain", "--split", "a,b")
     assert code == 0
-    assert "One side: a,b." in out
+    assert "One side: a,b, R1 start." in out
 
 
 @pytest.mark.parametrize(
