@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -34,3 +38,34 @@ def test_a_kernel_compiles_wherever_its_result_can_be_kept(
     assert compiling.kernel(double)(21) == 42
     assert tried == caches
     assert bool(config.CACHE_DIR) == (refusals > 0)
+
+
+def test_an_edit_in_the_file_of_a_called_kernel_is_noticed(tmp_path: Path) -> None:
+    """The package is copied, a kernel is called that calls another file's, and that one is changed."""
+    source = Path(compiling.__file__).parent
+    package = tmp_path / "taut"
+    for path in ("__init__.py", "compiling.py", "heap.py"):
+        package.mkdir(exist_ok=True)
+        (package / path).write_bytes((source / path).read_bytes())
+    (package / "user").mkdir()
+    (package / "user" / "__init__.py").write_text("")
+    (package / "user" / "_kernels.py").write_text(
+        "from taut.compiling import kernel\n"
+        "from taut.heap import drop_first\n\n\n"
+        "@kernel\ndef first_left(keys, items):\n    drop_first(keys, items, 2)\n    return keys[0]\n"
+    )
+    script = (
+        "import numpy as np; from taut.user._kernels import first_left; "
+        "print(first_left(np.array([1.0, 2.0]), np.array([0, 1])))"
+    )
+
+    def said() -> str:
+        environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
+        assert run.returncode == 0, run.stderr
+        return run.stdout.strip()
+
+    assert said() == "2.0"
+    heap = package / "heap.py"
+    heap.write_text(heap.read_text().replace("keys[i], items[i] = key, item", "keys[i], items[i] = 7.0, item"))
+    assert said() == "7.0"

@@ -1,4 +1,8 @@
-"""How kernels are compiled: without Python objects, without the interpreter's lock, and once for all later runs."""
+"""How kernels are compiled: without Python objects, without the interpreter's lock, and once for all later runs.
+
+Numba notices an edit in the file of a kernel, but not in the files of the kernels that it calls. So what is kept is
+valid for all files with kernels as they were: an edit in one of them compiles all anew.
+"""
 
 from __future__ import annotations
 
@@ -30,4 +34,17 @@ def kernel(function: Function) -> Function:
             compiled = njit(cache=True, **options)(function)
         except RuntimeError:
             compiled = njit(**options)(function)
+    index: Any = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    if hasattr(index, "_source_stamp"):
+        index._source_stamp = (index._source_stamp, _STAMP)
     return compiled
+
+
+def _stamp() -> tuple[float, int]:
+    """Newest time and total size of the files with kernels."""
+    home = Path(__file__).resolve().parent
+    known = [path.stat() for path in (home / "heap.py", *home.glob("*/_*kernels.py")) if path.exists()]
+    return max((file.st_mtime for file in known), default=0.0), sum(file.st_size for file in known)
+
+
+_STAMP = _stamp()

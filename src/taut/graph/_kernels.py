@@ -6,42 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taut.compiling import kernel
+from taut.heap import drop_first, push
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-@kernel
-def _heap_push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
-    """Insert into the heap of the given size; ties are served by the smaller item, so that results are unique."""
-    i = size
-    while i > 0:
-        parent = (i - 1) >> 1
-        if keys[parent] < key or (keys[parent] == key and items[parent] <= item):
-            break
-        keys[i], items[i] = keys[parent], items[parent]
-        i = parent
-    keys[i], items[i] = key, item
-
-
-@kernel
-def _heap_drop_first(keys: Floats, items: Ints, size: int) -> None:
-    """Remove the first of ``size`` entries."""
-    last = size - 1
-    key, item = keys[last], items[last]
-    i = 0
-    while True:
-        child = 2 * i + 1
-        if child >= last:
-            break
-        right = child + 1
-        if right < last and (keys[right] < keys[child] or (keys[right] == keys[child] and items[right] < items[child])):
-            child = right
-        if key < keys[child] or (key == keys[child] and item <= items[child]):
-            break
-        keys[i], items[i] = keys[child], items[child]
-        i = child
-    keys[i], items[i] = key, item
 
 
 @kernel
@@ -97,11 +65,11 @@ def dijkstra(indptr: Ints, indices: Ints, weights: Floats, sources: Ints, offset
     for i in range(sources.shape[0]):
         if offsets[i] < distance[sources[i]]:
             distance[sources[i]] = offsets[i]
-            _heap_push(keys, items, size, offsets[i], sources[i])
+            push(keys, items, size, offsets[i], sources[i])
             size += 1
     while size > 0:
         u = items[0]
-        _heap_drop_first(keys, items, size)
+        drop_first(keys, items, size)
         size -= 1
         if done[u]:
             continue
@@ -112,7 +80,7 @@ def dijkstra(indptr: Ints, indices: Ints, weights: Floats, sources: Ints, offset
             if through < distance[v]:
                 distance[v] = through
                 before[v] = u
-                _heap_push(keys, items, size, through, v)
+                push(keys, items, size, through, v)
                 size += 1
     return distance, before
 
@@ -179,11 +147,11 @@ def astar(
             state[v] = seen
             if size == keys.shape[0]:
                 keys, items = _longer_keys(keys), _longer(items)
-            _heap_push(keys, items, size, distance[v] + np.sqrt((x - tx) ** 2 + (y - ty) ** 2), v)
+            push(keys, items, size, distance[v] + np.sqrt((x - tx) ** 2 + (y - ty) ** 2), v)
             size += 1
         while size > 0:
             u = items[0]
-            _heap_drop_first(keys, items, size)
+            drop_first(keys, items, size)
             size -= 1
             if state[u] == done:
                 continue
@@ -196,7 +164,7 @@ def astar(
                     distance[n], before[n], state[n] = through, u, seen
                     if size == keys.shape[0]:
                         keys, items = _longer_keys(keys), _longer(items)
-                    _heap_push(keys, items, size, through, n)
+                    push(keys, items, size, through, n)
                     size += 1
             # what cannot beat the way to the target known so far is not followed
             bound = distance[n] if state[n] == seen else np.inf
@@ -212,7 +180,7 @@ def astar(
                     distance[v], before[v], state[v] = through, u, seen
                     if size == keys.shape[0]:
                         keys, items = _longer_keys(keys), _longer(items)
-                    _heap_push(keys, items, size, through + estimate, v)
+                    push(keys, items, size, through + estimate, v)
                     size += 1
         if state[n] == done:
             lengths[q] = distance[n]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taut.compiling import kernel
+from taut.heap import drop_first, push
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,39 +25,6 @@ _Array = TypeVar("_Array", Ints, Ints32, Floats)
 
 UNCOVERED, COVERED, SETTLED = 0, 1, 2
 BLOCK = 32  # entries that are looked at together; most blocks hold nothing better
-
-
-@kernel
-def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
-    """Insert into the heap of the given size; ties are served by the smaller item, so that results are unique."""
-    i = size
-    while i > 0:
-        parent = (i - 1) >> 1
-        if keys[parent] < key or (keys[parent] == key and items[parent] <= item):
-            break
-        keys[i], items[i] = keys[parent], items[parent]
-        i = parent
-    keys[i], items[i] = key, item
-
-
-@kernel
-def _drop_first(keys: Floats, items: Ints, size: int) -> None:
-    """Remove the first of ``size`` entries."""
-    last = size - 1
-    key, item = keys[last], items[last]
-    i = 0
-    while True:
-        child = 2 * i + 1
-        if child >= last:
-            break
-        right = child + 1
-        if right < last and (keys[right] < keys[child] or (keys[right] == keys[child] and items[right] < items[child])):
-            child = right
-        if key < keys[child] or (key == keys[child] and item <= items[child]):
-            break
-        keys[i], items[i] = keys[child], items[child]
-        i = child
-    keys[i], items[i] = key, item
 
 
 @kernel
@@ -88,7 +56,7 @@ def grow_trees(
         size, count = 1, 0
         while size > 0:
             key, u = keys[0], items[0]
-            _drop_first(keys, items, size)
+            drop_first(keys, items, size)
             size -= 1
             if key > distance[u]:
                 continue
@@ -100,7 +68,7 @@ def grow_trees(
                 if through < distance[v]:
                     distance[v] = through
                     parent[r, v] = u
-                    _push(keys, items, size, through, v)
+                    push(keys, items, size, through, v)
                     size += 1
         for i in range(count - 1, -1, -1):
             u = settled[i]
@@ -131,17 +99,17 @@ def cover_trees(parent: Ints32, below: Ints32, child: Ints32, sibling: Ints32) -
     keys = np.empty(n)
     items = np.empty(n, dtype=np.int64)
     for v in range(n):
-        _push(keys, items, v, -(left[v] + trees) * factor[v], v)
+        push(keys, items, v, -(left[v] + trees) * factor[v], v)
     order = np.empty(n, dtype=np.int64)
     stack = np.empty(n, dtype=np.int64)
     count, size = 0, n
     while size > 0:
         key, v = keys[0], items[0]
-        _drop_first(keys, items, size)
+        drop_first(keys, items, size)
         size -= 1
         now = -(left[v] + trees) * factor[v]
         if key < now:  # numbers only fall: who is still first with the new one is first
-            _push(keys, items, size, now, v)
+            push(keys, items, size, now, v)
             size += 1
             continue
         order[count] = v
@@ -204,7 +172,7 @@ def search_hubs(
         waiting = 1  # uncovered vertices in the queue
         while waiting > 0:
             key, u = keys[0], items[0]
-            _drop_first(keys, items, size)
+            drop_first(keys, items, size)
             size -= 1
             if key > distance[u]:
                 continue
@@ -236,7 +204,7 @@ def search_hubs(
                     else:
                         state[v] = UNCOVERED
                         waiting += 1
-                    _push(keys, items, size, through, v)
+                    push(keys, items, size, through, v)
                     size += 1
                 elif covered and through == distance[v] and state[v] == UNCOVERED:
                     state[v] = COVERED

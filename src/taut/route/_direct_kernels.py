@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from taut.compiling import kernel
 from taut.geometry._kernels import longer, orient
 from taut.geometry._seeing_kernels import roots as roots_of
+from taut.heap import drop_first
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -185,7 +186,7 @@ def _search(
             if size == 0 or keys[0] >= whole:
                 return whole, end, roots, filled, size, expanded, True
             row = items[0]
-            _drop_first(keys, items, size)
+            drop_first(keys, items, size)
             size -= 1
             t, k, root, right, left = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
             px, py, way = at[root, 0], at[root, 1], at[root, 2]
@@ -478,23 +479,3 @@ def _put(
         keys[i], items[i] = keys[parent], items[parent]
         i = parent
     keys[i], items[i] = key, row
-
-
-@kernel
-def _drop_first(keys: Floats, items: Ints, size: int) -> None:
-    """Remove the first of ``size`` entries of the queue."""
-    last = size - 1
-    key, item = keys[last], items[last]
-    i = 0
-    while True:
-        child = 2 * i + 1
-        if child >= last:
-            break
-        right = child + 1
-        if right < last and (keys[right] < keys[child] or (keys[right] == keys[child] and items[right] < items[child])):
-            child = right
-        if key < keys[child] or (key == keys[child] and item <= items[child]):
-            break
-        keys[i], items[i] = keys[child], items[child]
-        i = child
-    keys[i], items[i] = key, item

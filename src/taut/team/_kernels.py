@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taut.compiling import kernel
+from taut.heap import drop_first, push
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -565,42 +566,6 @@ def blockers(
 # --- Safe-interval search ---------------------------------------------------------------------------------------------
 
 
-# The heap is that of taut.graph: kernels that call each other share a file, or an edit there would go unnoticed here.
-
-
-@kernel
-def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
-    """Insert into a binary heap; ties are served by the smaller item."""
-    i = size
-    while i > 0:
-        parent = (i - 1) >> 1
-        if keys[parent] < key or (keys[parent] == key and items[parent] <= item):
-            break
-        keys[i], items[i] = keys[parent], items[parent]
-        i = parent
-    keys[i], items[i] = key, item
-
-
-@kernel
-def _drop_first(keys: Floats, items: Ints, size: int) -> None:
-    last = size - 1
-    key, item = keys[last], items[last]
-    i = 0
-    while True:
-        child = 2 * i + 1
-        if child >= last:
-            break
-        if child + 1 < last and (
-            keys[child + 1] < keys[child] or (keys[child + 1] == keys[child] and items[child + 1] < items[child])
-        ):
-            child += 1
-        if key < keys[child] or (key == keys[child] and item <= items[child]):
-            break
-        keys[i], items[i] = keys[child], items[child]
-        i = child
-    keys[i], items[i] = key, item
-
-
 @kernel
 def _settle(
     v: int,
@@ -619,7 +584,7 @@ def _settle(
     sx, sy = positions[start, 0], positions[start, 1]
     while size > 0 and not settled[v]:
         u = items[0]
-        _drop_first(keys, items, size)
+        drop_first(keys, items, size)
         size -= 1
         if settled[u]:
             continue
@@ -634,7 +599,7 @@ def _settle(
                 if through < distance[w] and not settled[w]:
                     distance[w] = through
                     ahead = np.sqrt((positions[w, 0] - sx) ** 2 + (positions[w, 1] - sy) ** 2)
-                    _push(keys, items, size, through + ahead, w)
+                    push(keys, items, size, through + ahead, w)
                     size += 1
     return size
 
@@ -739,7 +704,7 @@ def safe_interval_search(
 
     while size > 0:
         key, item = keys[0], items[0]
-        _drop_first(keys, items, size)
+        drop_first(keys, items, size)
         size -= 1
         if item < 0:
             origin, v, tau = way_from[-1 - item], way_to[-1 - item], way_time[-1 - item]
@@ -752,7 +717,7 @@ def safe_interval_search(
                     continue
             left = distance[v] / speed
             if ready + tau + left > key and origin >= 0:
-                _push(keys, items, size, ready + tau + left, item)
+                push(keys, items, size, ready + tau + left, item)
                 size += 1
                 continue
             if of_vertex[v] < 0:
@@ -796,7 +761,7 @@ def safe_interval_search(
                     arrive[s], leave[s], parent[s] = max(delta + tau, opens[s]), delta, origin
                 if size == keys.shape[0]:
                     keys, items = _longer_floats(keys), _longer_ints(items)
-                _push(keys, items, size, arrive[s] + left, s)
+                push(keys, items, size, arrive[s] + left, s)
                 size += 1
             continue
         if done[item] == 1:
@@ -833,7 +798,7 @@ def safe_interval_search(
                 way_from[ways], way_to[ways], way_time[ways] = item, v, tau
                 if size == keys.shape[0]:
                     keys, items = _longer_floats(keys), _longer_ints(items)
-                _push(keys, items, size, ready + tau + left / speed, -1 - ways)
+                push(keys, items, size, ready + tau + left / speed, -1 - ways)
                 size += 1
                 ways += 1
 
