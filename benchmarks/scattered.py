@@ -28,12 +28,16 @@ def scattered_scene(vertices: int, seed: int) -> Scene:
 
 
 def free_places(freespace: FreeSpace, count: int, seed: int) -> FloatArray:
-    """Return places drawn evenly from free space, (count, 2) metres."""
+    """Return places drawn evenly from the largest connected part of free space, (count, 2) metres."""
     rng = np.random.default_rng(seed)
+    mesh = freespace.mesh
+    x0, y0, x1, y1 = freespace.region.bounds
+    largest = int(np.argmax(np.bincount(mesh.parts)))
     found = np.empty((0, 2))
     while len(found) < count:
-        thrown = rng.uniform(0, SIDE, (4 * count, 2))
-        found = np.concatenate([found, thrown[freespace.contains(thrown)]])
+        thrown = rng.uniform((x0, y0), (x1, y1), (4 * count, 2))
+        triangles = mesh.locate(thrown)
+        found = np.concatenate([found, thrown[(triangles >= 0) & (mesh.parts[triangles] == largest)]])
     return found[:count]
 
 

@@ -11,10 +11,11 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from measure import Table, clocked, in_words
+from measure import Report, Table, clocked, in_words
 
 HEAVY = ("matplotlib", "numba", "llvmlite", "scipy", "shapely", "pydantic", "numpy")
 SCENE = "thesis-2"
+TITLES = ("Start",)
 
 _PROBE = f"""
 import json, sys, time
@@ -63,7 +64,7 @@ def cold_and_warm(runs: int) -> tuple[Spent, Spent]:
     return cold, Spent(statistics.median(s.wall for s in warm), statistics.median(s.cpu for s in warm))
 
 
-def suite(quick: bool) -> Table:
+def suite(quick: bool) -> Report:
     """Measure everything of this page's first table."""
     runs = 3 if quick else 9
     found = importing(runs)
@@ -75,8 +76,8 @@ def suite(quick: bool) -> Table:
         ("plan, kernels in the cache", in_words(warm.wall), _cpu(warm), "1.5 s"),
     )
     absent = [name for name in HEAVY if name not in found.loaded]
-    return Table(
-        "Start",
+    start = Table(
+        TITLES[0],
         ("", "wall time", "CPU", "target"),
         rows,
         f"Every figure is from fresh processes. The plans are the whole command `taut plan {SCENE}`, from process "
@@ -87,6 +88,7 @@ def suite(quick: bool) -> Table:
             f"Medians of {runs} runs; the first plan, with an empty kernel cache, is run once.",
         ),
     )
+    return Report((start,))
 
 
 def _spent(work: Callable[[], object]) -> Spent:

@@ -8,10 +8,11 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from measure import Table, in_words, repeated
+from measure import Report, Table, in_words, picture, repeated
 from taut.errors import TautError
 from taut.formats import load_scene
 from taut.formats.files import scene_names
@@ -22,6 +23,10 @@ from taut.team import planning
 
 PHASES = {"World": "world", "plan_rounds": "planning", "certify": "certificate"}
 """Steps of `taut.plan`, named as in its module, and the column in which each is counted."""
+
+TITLES = ("Plans of teams",)
+COLOURS = {"world": "#56b4e9", "planning": "#e69f00", "certificate": "#009e73"}
+"""Okabe and Ito's, safe for the colour-blind."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,12 @@ class Outcome:
         return statistics.median(run.phases[name] for run in self.runs)
 
 
+def suite(quick: bool) -> Report:
+    """Measure every case; return its table and how to draw it."""
+    outcomes = measured(quick)
+    return Report((table(outcomes),), partial(draw, outcomes=outcomes))
+
+
 def cases(quick: bool) -> tuple[Case, ...]:
     """Return all ready scenes and two large random ones; quick: the thesis' scenes alone."""
     ready = [Case(name, partial(load_scene, name)) for name in scene_names()]
@@ -82,7 +93,7 @@ def table(outcomes: tuple[Outcome, ...]) -> Table:
     """Return one row for each case."""
     same = all(run.plan.trajectories == o.runs[0].plan.trajectories for o in outcomes for run in o.runs)
     return Table(
-        "Plans of teams",
+        TITLES[0],
         ("scene", "robots", "obstacles", *PHASES.values(), "together", "target", "rounds", "above bound", "certified"),
         tuple(_row(outcome) for outcome in outcomes),
         "`taut.plan` from a Scene in memory to the certified plan; warm, medians of up to 5 runs.",
@@ -95,7 +106,32 @@ def table(outcomes: tuple[Outcome, ...]) -> Table:
             "no plan can beat.",
             f"Repeated runs gave {'the same plan, bit for bit' if same else 'DIFFERENT plans: a defect'}.",
         ),
+        f"![Where planning spends its time](figures/{picture('teams')})",
     )
+
+
+def draw(path: Path, outcomes: tuple[Outcome, ...]) -> None:
+    """Draw the shares of planning's phases by scene."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    solved = [o for o in outcomes if o.runs][::-1]
+    figure = Figure(figsize=(8, 1.5 + 0.35 * len(solved)), layout="constrained")
+    FigureCanvasAgg(figure)
+    ax = figure.subplots()
+    names = [o.case.name for o in solved]
+    done = [0.0] * len(solved)
+    for phase, colour in COLOURS.items():
+        shares = [100 * o.phase(phase) / o.total for o in solved]
+        ax.barh(names, shares, left=done, color=colour, label=phase)
+        done = [a + b for a, b in zip(done, shares, strict=True)]
+    ax.barh(names, [max(0.0, 100 - d) for d in done], left=done, color="#bbbbbb", label="checks and reasons")
+    for k, outcome in enumerate(solved):
+        ax.text(102, k, in_words(outcome.total), va="center", fontsize=9)
+    ax.set(xlim=(0, 100), xlabel="share of the time to a certified plan, %", title="Planning a team")
+    ax.spines[["top", "right"]].set_visible(False)
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    figure.savefig(path, dpi=150, metadata={"Software": None})
 
 
 def _outcome(case: Case) -> Outcome:

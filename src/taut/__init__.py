@@ -33,7 +33,18 @@ if TYPE_CHECKING:
     from taut.generate import random_scene
     from taut.motion import Plan, Trajectory
     from taut.roadmap import Roadmap, visibility_graph
-    from taut.route import PathIndex, Paths, Route, distances, distances_from, paths, prepare, shortest_path
+    from taut.route import (
+        PathIndex,
+        Paths,
+        Route,
+        distances,
+        distances_from,
+        paths,
+        prepare,
+        shortest_path,
+        with_obstacle,
+        without_obstacle,
+    )
     from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
     from taut.team import Result, plan
     from taut.validation import validate
@@ -84,6 +95,8 @@ __all__ = [
     "shortest_path",
     "validate",
     "visibility_graph",
+    "with_obstacle",
+    "without_obstacle",
 ]
 
 if not TYPE_CHECKING:
@@ -115,6 +128,8 @@ if not TYPE_CHECKING:
             "paths",
             "prepare",
             "shortest_path",
+            "with_obstacle",
+            "without_obstacle",
         ),
         "taut.scene": ("Circle", "Line", "Polygon", "Rectangle", "Robot", "Scene"),
         "taut.team": ("Result", "plan"),

@@ -18,6 +18,8 @@ def over_chunks(work: Callable[[int, int], T], count: int, size: int) -> list[T]
     >>> over_chunks(lambda first, last: last - first, 5, 2)
     [2, 2, 1]
     """
+    if count <= size:
+        return [work(0, count)] if count else []
     firsts = range(0, count, size)
     results: dict[int, T] = {}
     errors: list[BaseException] = []

@@ -92,7 +92,7 @@ class FreeSpace:
         """
         xy = np.array(points, dtype=np.float64).reshape(-1, 2)
         triangle = self.mesh.locate(xy)
-        for i in np.flatnonzero(triangle < 0):
+        for i in (triangle < 0).nonzero()[0]:
             moved = self._nearest_inside(xy[i])
             if moved is not None:
                 xy[i], triangle[i] = moved

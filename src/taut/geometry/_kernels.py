@@ -322,13 +322,25 @@ def location_grid(xy: Floats, tri: Ints) -> tuple[Floats, Ints, Ints, Ints]:
                 total += k
             items = np.empty(total, dtype=np.int64)
         for t in range(m):
-            ymin = min(xy[tri[t, 0], 1], xy[tri[t, 1], 1], xy[tri[t, 2], 1])
-            ymax = max(xy[tri[t, 0], 1], xy[tri[t, 1], 1], xy[tri[t, 2], 1])
-            for row in range(_cell(ymin - slack, y0, step, ny), _cell(ymax + slack, y0, step, ny) + 1):
-                xa, xb = _row_span(xy, tri, t, y0 + row * step - slack, y0 + (row + 1) * step + slack)
-                if xb < xa:
-                    continue
-                for col in range(_cell(xa - slack, x0, step, nx), _cell(xb + slack, x0, step, nx) + 1):
+            xa, ya, xb, yb, xc, yc = (
+                xy[tri[t, 0], 0],
+                xy[tri[t, 0], 1],
+                xy[tri[t, 1], 0],
+                xy[tri[t, 1], 1],
+                xy[tri[t, 2], 0],
+                xy[tri[t, 2], 1],
+            )
+            low, high = _cell(min(ya, yb, yc) - slack, y0, step, ny), _cell(max(ya, yb, yc) + slack, y0, step, ny)
+            left, right = _cell(min(xa, xb, xc) - slack, x0, step, nx), _cell(max(xa, xb, xc) + slack, x0, step, nx)
+            few = (high - low + 1) * (right - left + 1) <= 6  # then all of them cost less than finding out which
+            for row in range(low, high + 1):
+                a, b = left, right
+                if not few:
+                    begin, end = _row_span(xy, tri, t, y0 + row * step - slack, y0 + (row + 1) * step + slack)
+                    if end < begin:
+                        continue
+                    a, b = _cell(begin - slack, x0, step, nx), _cell(end + slack, x0, step, nx)
+                for col in range(a, b + 1):
                     c = row * nx + col
                     if fill == 1:
                         items[start[c + 1]] = t
@@ -352,6 +364,8 @@ def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items
     nx, ny = shape[0], shape[1]
     for i in range(points.shape[0]):
         x, y = points[i, 0], points[i, 1]
+        if not (np.isfinite(x) and np.isfinite(y)):
+            continue
         col, row = _cell(x, frame[0], frame[2], nx), _cell(y, frame[1], frame[2], ny)
         c = row * nx + col
         for j in range(start[c], start[c + 1]):

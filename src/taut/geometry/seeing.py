@@ -13,7 +13,7 @@ from taut.chunks import over_chunks
 from taut.geometry import _seeing_kernels
 from taut.geometry.triangulation import Floats, Ints, Triangulation
 
-_CHUNK = 256
+_CHUNK = 128
 
 
 def see_all(mesh: Triangulation, wanted: NDArray[np.bool_], *, taut: bool) -> Ints:

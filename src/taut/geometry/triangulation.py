@@ -52,11 +52,9 @@ class Triangulation:
 
     def locate(self, points: Floats) -> Ints:
         """Triangle that contains each of (k, 2) points, boundary included and exactly; −1 outside."""
-        out = np.full(len(points), -1, dtype=np.int64)
-        if len(self.triangles):
-            somewhere = np.isfinite(points).all(axis=1)
-            out[somewhere] = _kernels.locate(self.vertices, self.triangles, *self.grid, points[somewhere])
-        return out
+        if len(self.triangles) == 0:
+            return np.full(len(points), -1, dtype=np.int64)
+        return _kernels.locate(self.vertices, self.triangles, *self.grid, np.ascontiguousarray(points))
 
     def on_pinch(self, points: Floats) -> NDArray[np.bool_]:
         """Whether each of (k, 2) points is a vertex where the region touches itself."""

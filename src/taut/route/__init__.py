@@ -2,6 +2,7 @@
 
 from taut.route.core import Route
 from taut.route.direct import DirectRoute, direct_lengths, direct_paths, shortest_path
+from taut.route.editing import with_obstacle, without_obstacle
 from taut.route.index import PathIndex, Paths, distances, distances_from, paths, prepare
 from taut.route.shortest import routes_between, shortest_routes
 from taut.route.states import Attached, attach
@@ -22,4 +23,6 @@ __all__ = [
     "routes_between",
     "shortest_path",
     "shortest_routes",
+    "with_obstacle",
+    "without_obstacle",
 ]

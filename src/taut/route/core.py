@@ -41,7 +41,9 @@ def in_turn(starts: ArrayLike, goals: ArrayLike) -> FloatArray:
     a, b = points_of(starts, "starts"), points_of(goals, "goals")
     if len(a) != len(b):
         raise ValueError(f"every start needs its goal: got {len(a)} starts and {len(b)} goals")
-    return np.stack([a, b], axis=1).reshape(-1, 2)
+    both = np.empty((2 * len(a), 2))
+    both[::2], both[1::2] = a, b
+    return both
 
 
 def points_of(places: ArrayLike, what: str) -> FloatArray:
@@ -68,7 +70,7 @@ def require_free(freespace: FreeSpace, given: FloatArray, triangles: Ints) -> No
     StartBlocked, GoalBlocked
         The first that is not.
     """
-    for k in np.flatnonzero(triangles < 0).tolist():
+    for k in (triangles < 0).nonzero()[0].tolist():
         error, word = (StartBlocked, "start") if k % 2 == 0 else (GoalBlocked, "goal")
         x, y = given[k]
         raise error(f"{word} ({x:g}, {y:g}) is not in free space (growth {freespace.growth:g} m)")
@@ -82,7 +84,7 @@ def require_found(freespace: FreeSpace, given: FloatArray, lengths: FloatArray) 
     NoPath
         The first that is not.
     """
-    for k in np.flatnonzero(np.isinf(lengths)).tolist():
+    for k in np.isinf(lengths).nonzero()[0].tolist():
         a, b = given[2 * k], given[2 * k + 1]
         grown = f" grown by {freespace.growth:g} m" if freespace.growth else ""
         raise NoPath("", f"no way from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): obstacles{grown} separate them")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+import shapely
+from numpy.typing import ArrayLike, NDArray
 
 from taut.chunks import over_chunks
 from taut.errors import StartBlocked
@@ -16,9 +18,30 @@ from taut.geometry.triangulation import Floats, Ints
 from taut.graph import HubLabels, _kernels, hub_labels, label_distances_between, label_paths
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.route.core import in_turn, points_of, require_found, require_free
-from taut.route.states import Attached, TautStates, attach, search, states_of, taut_states
+from taut.route.states import Attached, TautStates, attach, picked, search, states_of, taut_states
 
 _CHUNK = 256
+
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Labelled:
+    """Hub labels, and what has changed since they were built.
+
+    Parameters
+    ----------
+    labels : of the tangent graph as it was then.
+    positions : (m, 2) metres, the corners of that graph.
+    numbers : (n,) number there of each corner that there is now, −1 for those that are new or have changed.
+    added, removed : obstacles as grown, by name.
+    """
+
+    labels: HubLabels
+    positions: Floats
+    numbers: Ints
+    added: Mapping[str, shapely.Geometry]
+    removed: Mapping[str, shapely.Geometry]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +53,18 @@ class PathIndex:
     freespace : where the paths lie.
     tangents : its tangent graph.
     states : the same for A*.
-    labels : hub labels of the tangent graph, or None.
+    labelled : hub labels, or None.
     """
 
     freespace: FreeSpace
     tangents: VisibilityGraph
     states: TautStates
-    labels: HubLabels | None
+    labelled: Labelled | None
+
+    @property
+    def labels(self) -> HubLabels | None:
+        """The hub labels, if there are any."""
+        return None if self.labelled is None else self.labelled.labels
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +119,11 @@ def prepare(
     if index not in ("graph", "labels"):
         raise ValueError(f'index must be "graph" or "labels", got {index!r}')
     tangents = visibility_graph(freespace)
-    labels = hub_labels(tangents.graph, most_bytes=most_bytes) if index == "labels" else None
-    return PathIndex(freespace, tangents, taut_states(freespace, tangents), labels)
+    labelled = None
+    if index == "labels":
+        labels = hub_labels(tangents.graph, most_bytes=most_bytes)
+        labelled = Labelled(labels, tangents.positions, np.arange(tangents.graph.n), {}, {})
+    return PathIndex(freespace, tangents, taut_states(freespace, tangents), labelled)
 
 
 def distances(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Floats:
@@ -105,10 +136,7 @@ def distances(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Floats:
     ValueError
         Not as many points of one kind as of the other.
     """
-    ends = _attached(index, a, b)
-    if index.labels is None:
-        return search(index.freespace.mesh, index.states, ends)[0]
-    return _by_labels(index, index.labels, ends)[0]
+    return _found(index, _attached(index, a, b))[0]
 
 
 def paths(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Paths:
@@ -124,15 +152,7 @@ def paths(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Paths:
         Not as many points of one kind as of the other.
     """
     ends = _attached(index, a, b)
-    if index.labels is None:
-        lengths, start, path = search(index.freespace.mesh, index.states, ends)
-    else:
-        lengths, passed = _by_labels(index, index.labels, ends)
-        through = np.flatnonzero(passed[:, 0] >= 0)
-        counts = np.zeros(len(lengths), dtype=np.int64)
-        steps, path = label_paths(index.labels, passed[through, 0], passed[through, 1])
-        counts[through] = np.diff(steps)
-        start = np.append(0, np.cumsum(counts))
+    lengths, start, path = _found(index, ends)
     require_found(index.freespace, ends.given, lengths)
     k = len(lengths)
     if k == 0:
@@ -187,22 +207,78 @@ def _attached(index: PathIndex, a: ArrayLike, b: ArrayLike) -> Attached:
     return ends
 
 
-def _by_labels(index: PathIndex, labels: HubLabels, ends: Attached) -> tuple[Floats, Ints]:
-    """Lengths between places 0 and 1, 2 and 3, … and the corners where each enters and leaves the graph, or −1s."""
+def _found(index: PathIndex, ends: Attached) -> tuple[Floats, Ints, Ints]:
+    """Lengths between places 0 and 1, 2 and 3, … and the corners passed as CSR (start, corner)."""
+    if index.labelled is None:
+        return search(index.freespace.mesh, index.states, ends)
+    lengths, start, path, sure = _by_labels(index, index.labelled, ends)
+    if sure.all():
+        return lengths, start, path
+    others = np.flatnonzero(~sure)
+    found, first, corners = search(index.freespace.mesh, index.states, picked(ends, others))
+    lengths[others] = found
+    counts = np.diff(start)
+    row = np.concatenate([np.repeat(np.arange(len(lengths)), counts), np.repeat(others, np.diff(first))])
+    kept = np.concatenate([np.repeat(sure, counts), np.ones(len(corners), dtype=np.bool_)])
+    order = np.argsort(row[kept], kind="stable")
+    everything = np.concatenate([path, corners])[kept][order]
+    return lengths, np.append(0, np.cumsum(np.bincount(row[kept], minlength=len(lengths)))), everything
+
+
+def _by_labels(index: PathIndex, labelled: Labelled, ends: Attached) -> tuple[Floats, Ints, Ints, Bools]:
+    """Lengths between places 0 and 1, 2 and 3, …, the corners passed as CSR, and whether that is still right.
+
+    A path found in the labels' map is shortest now if its ends are joined with corners of that map only, no obstacle
+    added since touches it, and no path by way of an obstacle removed since could be shorter.
+    """
     starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
     direct = see_each_other(index.freespace.mesh, ends.points, ends.triangles, starts, starts + 1)
-    far = starts[~direct]
-    positions = index.tangents.positions
+    lengths = np.hypot(*(ends.points[1::2] - ends.points[::2]).T)
+    numbers = labelled.numbers[ends.corners]
     place = np.repeat(np.arange(len(ends.points)), np.diff(ends.first))
-    offsets = np.hypot(*(positions[ends.corners] - ends.points[place]).T)
-    joined = positions, ends.points, ends.first, ends.corners, offsets
+    strange = np.zeros(len(ends.points), dtype=np.bool_)
+    strange[place[numbers < 0]] = True
+    sure = direct | ~(strange[::2] | strange[1::2])
+    far = starts[sure & ~direct]
+    offsets = np.hypot(*(index.tangents.positions[ends.corners] - ends.points[place]).T)
+    joined = labelled.positions, ends.points, ends.first, np.maximum(numbers, 0), offsets
 
     def chunk(first: int, last: int) -> tuple[Floats, Ints]:
-        return label_distances_between(labels, *joined, far[first:last], far[first:last] + 1)
+        return label_distances_between(labelled.labels, *joined, far[first:last], far[first:last] + 1)
 
-    lengths = np.hypot(*(ends.points[1::2] - ends.points[::2]).T)
+    found = over_chunks(chunk, len(far), _CHUNK)
     passed = np.full((len(starts), 2), -1, dtype=np.int64)
-    for first, (length, corners) in zip(range(0, len(far), _CHUNK), over_chunks(chunk, len(far), _CHUNK), strict=True):
-        own = far[first : first + _CHUNK] // 2
-        lengths[own], passed[own] = length, corners
-    return lengths, passed
+    if found:
+        lengths[far // 2] = np.concatenate([length for length, _ in found])
+        passed[far // 2] = np.concatenate([corners for _, corners in found])
+    through = np.flatnonzero(passed[:, 0] >= 0)
+    steps, path = label_paths(labelled.labels, passed[through, 0], passed[through, 1])
+    counts = np.zeros(len(starts), dtype=np.int64)
+    counts[through] = np.diff(steps)
+    _doubt_what_changed(labelled, ends, lengths, counts, path, sure)
+    current = np.full(labelled.labels.n, -1, dtype=np.int64)
+    known = np.flatnonzero(labelled.numbers >= 0)
+    current[labelled.numbers[known]] = known
+    here = current[path]
+    row = np.repeat(np.arange(len(starts)), counts)
+    sure[row[here < 0]] = False
+    return lengths, np.append(0, np.cumsum(counts)), here, sure
+
+
+def _doubt_what_changed(
+    labelled: Labelled, ends: Attached, lengths: Floats, counts: Ints, path: Ints, sure: Bools
+) -> None:
+    """Mark paths as not sure that an obstacle added may block, or an obstacle removed may shorten."""
+    if labelled.added:
+        row = np.repeat(np.arange(len(lengths)), counts + 2)
+        points = np.empty((len(row), 2))
+        first = np.append(0, np.cumsum(counts + 2))
+        points[first[:-1]], points[first[1:] - 1] = ends.points[::2], ends.points[1::2]
+        points[np.arange(len(path)) + 2 * np.repeat(np.arange(len(lengths)), counts) + 1] = labelled.positions[path]
+        lines = shapely.linestrings(points, indices=row)
+        for shape in labelled.added.values():
+            shapely.prepare(shape)
+            sure &= ~shapely.intersects(shape, lines) | (counts == 0)
+    for shape in labelled.removed.values():
+        away = shapely.distance(shape, shapely.points(ends.points)).reshape(-1, 2).sum(axis=1)
+        sure &= (lengths <= away) | (counts == 0) & np.isfinite(lengths)

@@ -99,6 +99,17 @@ def attach(freespace: FreeSpace, tangents: VisibilityGraph, points: ArrayLike) -
     return Attached(given, xy, triangles, np.append(0, np.cumsum(counts)), number[seen], sides)
 
 
+def picked(ends: Attached, pairs: Ints) -> Attached:
+    """Return places 2 k and 2 k + 1 for each k of ``pairs``."""
+    places = np.stack([2 * pairs, 2 * pairs + 1], axis=1).reshape(-1)
+    counts = ends.first[places + 1] - ends.first[places]
+    first = np.append(0, np.cumsum(counts))
+    at = np.arange(first[-1]) + np.repeat(ends.first[places] - first[:-1], counts)
+    return Attached(
+        ends.given[places], ends.points[places], ends.triangles[places], first, ends.corners[at], ends.sides[at]
+    )
+
+
 def search(mesh: Triangulation, states: TautStates, ends: Attached) -> tuple[Floats, Ints, Ints]:
     """Lengths between places 0 and 1, 2 and 3, … (inf without a path) and the corners passed as CSR (start, corner).
 
