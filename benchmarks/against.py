@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asking import Asked
 from building import Build
 from measure import LEFT_OUT, Table, in_words
 from peers import PEERS, Peer
@@ -49,11 +48,15 @@ def compared(
     freespace: FreeSpace,
     places: FloatArray,
     build: Build,
-    asked: Asked,
+    single: float,
+    batch: float,
     before: tuple[Compared, ...],
     longest: float,
 ) -> tuple[Compared, ...]:
-    """Measure every library expected to build within ``longest`` seconds, judged by ``before``, on smaller maps."""
+    """Measure every library expected to build within ``longest`` seconds, judged by ``before``, on smaller maps.
+
+    ``single`` and ``batch`` are taut's seconds for a pair: one a call, and in a batch.
+    """
     starts, goals = np.split(places, 2)
     starts, goals = starts[:PAIRS], goals[:PAIRS]
     ours = distances(prepare(freespace), starts, goals)
@@ -78,7 +81,7 @@ def compared(
             if time.perf_counter() > until:
                 break
         each = (time.perf_counter() - began) / len(lengths)
-        ratios = taken / build.together, each / asked.single, each / asked.batch
+        ratios = taken / build.together, each / single, each / batch
         remark = agreement(np.array(lengths), ours[: len(lengths)])
         out.append(Compared(peer.name, build.corners, taken, each, *ratios, remark))
     return tuple(out)
@@ -104,8 +107,8 @@ def table(found: tuple[Compared, ...]) -> Table:
         TITLE,
         ("", "corners", "build", "÷ taut", "query", "÷ one a call", "÷ batch", "lengths"),
         tuple(_row(c) for c in found),
-        "The same maps and pairs, one at a time; ÷ taut: how many times as long as taut takes, for a query by A* both "
-        "with one pair a call and in a batch.",
+        "The same maps and pairs, one at a time; ÷ taut: how many times as long as taut takes, for a query both with "
+        "one pair a call (interval search, no graph) and in a batch (A* on the graph).",
         (
             "shapely + networkx is the obvious program: every pair of corners tested with `covers`, then Dijkstra.",
             "The others run on one core, extremitypathfinder with its Numba kernels and without checking the ends; "

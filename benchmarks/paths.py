@@ -51,7 +51,8 @@ def suite(quick: bool, folder: Path | None) -> Report:
         print(asking.in_short(queries[-1]), flush=True)
         edits += (editing.edits(freespace, tangents, corners, build.alone),)
         print(editing.in_short(edits[-1]), flush=True)
-        fresh = against.compared(scene, freespace, places, build, queries[-1].astar, others, longest)
+        single, batch = queries[-1].direct.single, queries[-1].astar.batch
+        fresh = against.compared(scene, freespace, places, build, single, batch, others, longest)
         others += fresh
         print(*map(against.in_short, fresh), sep="\n", flush=True)
     real: tuple[maps.RealMap, ...] = ()
