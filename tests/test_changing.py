@@ -22,7 +22,7 @@ from taut.geometry.triangulation import Ints, Triangulation
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.roadmap.changing import Changed, with_obstacle, without_obstacle
 from taut.route import shortest_path, shortest_routes
-from taut.scene import Circle, Line, Obstacle, Polygon, Rectangle, Scene
+from taut.scene import Circle, Line, Obstacle, Polygon, Rectangle, Robot, Scene
 from zoo import ZOO, Entry
 
 HALL = Scene((0, 0, 8, 8))
@@ -205,18 +205,25 @@ def test_edits_that_touch_nothing_equal_a_fresh_build_bit_for_bit() -> None:
         check_equal(state, fresh)
 
 
-@pytest.mark.parametrize(("seed", "growth"), [(0, 0.0), (1, 0.0), (2, 0.5)])
-def test_obstacles_that_touch_up_to_rounding_leave_all_distances_right(seed: int, growth: float) -> None:
-    """Turned lattices: a hundred corners lie on others' edges but for rounding, which no two builds do alike."""
-    rng = np.random.default_rng(seed)
-    state = built(Scene((0, 0, 16, 16), [obstacle(rng, "grid", 16, 2, turn=0.3) for _ in range(20)]), growth)
-    for step in range(40):
+@pytest.mark.parametrize(
+    ("count", "seed", "growth", "edits"), [(20, 0, 0.0, 40), (20, 1, 0.0, 40), (20, 2, 0.5, 30), (40, 11, 0.5, 12)]
+)
+def test_obstacles_that_touch_up_to_rounding_leave_all_distances_right(
+    count: int, seed: int, growth: float, edits: int
+) -> None:
+    """Turned lattices: a hundred corners lie on others' edges but for rounding, which no two builds do alike.
+
+    In the last of these scenes such a corner moves far from the edit, and two others see each other past it.
+    """
+    rng, drawn = np.random.default_rng(seed), np.random.default_rng(seed)
+    state = built(Scene((0, 0, 16, 16), [obstacle(rng, "grid", 16, 2, turn=0.3) for _ in range(count)]), growth)
+    for step in range(edits):
         state = changed_at_random(rng, state, step, "grid", 2, turn=0.3)
         fresh = anew(state)
         check_sound(state)
         assert state.freespace.area == pytest.approx(fresh.freespace.area, rel=1e-11)
         assert state.freespace.parts == fresh.freespace.parts
-        ends = rng.uniform(0, 16, (12, 2))
+        ends = drawn.uniform(0, 16, (12, 2))
         ends = ends[fresh.freespace.contains(ends)]
         for a, b in zip(ends[::2], ends[1::2], strict=False):
             assert length(state, a, b) == pytest.approx(length(fresh, a, b), rel=1e-10)
@@ -332,6 +339,38 @@ def test_an_obstacle_over_everything_can_come_and_go() -> None:
     open_again = removed(removed(still, "lid"), "more")
     check_equal(open_again, anew(open_again))
     assert open_again.freespace.area == start.freespace.area
+
+
+def test_places_are_found_where_nothing_was_free_before() -> None:
+    lid = Rectangle(3, -1, 6, 10, name="lid")  # over all but the left side of the hall
+    state = removed(built(replace(HALL, obstacles=(Rectangle(1, 1, 1, 1), Rectangle(6, 5, 1, 1), lid))), "lid")
+    thrown = np.random.default_rng(8).uniform(-1, 9, (500, 2))
+    assert (state.freespace.contains(thrown) == anew(state).freespace.contains(thrown)).all()
+    check_equal(state, anew(state))
+
+
+def test_a_map_filled_from_empty_finds_places_quickly() -> None:
+    rng = np.random.default_rng(9)
+    state = built(Scene((0, 0, 40, 40)))
+    for step in range(60):
+        state = added(state, obstacle(rng, "stars", 39, 1.0, f"new-{step}"))
+        cells = math.prod(state.freespace.mesh.grid[1].tolist())
+        assert cells / 4 <= len(state.freespace.mesh.triangles) <= 4 * cells
+
+
+def test_starts_and_goals_at_rounded_corners_stay_free() -> None:
+    """A disc may touch a corner from any side, though tangents stand for the arc about it."""
+    corner, reach = np.array([4.0, 4.0]), 0.5
+    start, goal = (corner + reach * np.array([math.cos(a), math.sin(a)]) for a in (0.3, 1.1))
+    robot = Robot("R", tuple(start.tolist()), tuple(goal.tolist()), reach)
+    state = built(replace(HALL, robots=(robot,)), reach)
+    for box in (Rectangle(2, 2, 2, 2, name="alone"), Polygon([(4, 4), (2, 4.5), (1, 3), (3, 2)], "touching")):
+        state = added(state, box)
+        assert (state.freespace.anchor([start, goal])[1] >= 0).all()
+        check_equal(state, anew(state))
+    state = removed(state, "alone")
+    assert (state.freespace.anchor([start, goal])[1] >= 0).all()
+    check_equal(state, anew(state))
 
 
 def test_a_pocket_filled_and_emptied_is_a_part_again() -> None:

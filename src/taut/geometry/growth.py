@@ -208,13 +208,15 @@ def _filled(rings: Sequence[FloatArray], names: Sequence[str]) -> Shapes:
     if not rings:
         return np.empty(0, dtype=object)
     owner = np.repeat(np.arange(len(rings)), [len(r) for r in rings])
-    shapes: Shapes = shapely.polygons(shapely.linearrings(np.concatenate(rings), indices=owner))
+    at = np.concatenate(rings)
+    shapes: Shapes = shapely.polygons(shapely.linearrings(at, indices=owner))
     valid = shapely.is_valid(shapes)
     if not valid.all():
         k = int(np.argmin(valid))
         reason = shapely.is_valid_reason(shapes[k])
         raise SceneError(f"{names[k]} is not a simple polygon ({reason}); its sides must not cross or touch each other")
-    distinct: Shapes = shapely.remove_repeated_points(shapes)
+    repeated = (at[1:] == at[:-1]).all(axis=1) & (owner[1:] == owner[:-1])
+    distinct: Shapes = shapely.remove_repeated_points(shapes) if repeated.any() else shapes
     return distinct
 
 

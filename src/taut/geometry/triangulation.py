@@ -104,12 +104,13 @@ def _outline(region: shapely.Polygon | shapely.MultiPolygon) -> tuple[Floats, In
     xy, ring = shapely.get_coordinates(rings, return_index=True)
     last = np.flatnonzero(np.append(np.diff(ring) > 0, True))
     xy, ring = np.delete(xy, last, axis=0) + 0.0, np.delete(ring, last)
-    _, number = _distinct(xy)
+    vertices, number = _distinct(xy)
     shared = np.bincount(number)[number] > 1
     start = np.searchsorted(ring, np.arange(len(rings) + 1)).astype(np.int64)
     keep = ~_kernels.straight_corners(xy, start, shared)
-    xy, ring = xy[keep], ring[keep]
-    vertices, number = _distinct(xy)
+    if not keep.all():
+        xy, ring = xy[keep], ring[keep]
+        vertices, number = _distinct(xy)
     start = np.searchsorted(ring, np.arange(len(rings)))
     following = np.arange(1, len(xy) + 1)
     ends = np.append(start[1:], len(xy))
