@@ -342,8 +342,9 @@ def test_an_obstacle_over_everything_can_come_and_go() -> None:
 
 
 def test_places_are_found_where_nothing_was_free_before() -> None:
-    lid = Rectangle(3, -1, 6, 10, name="lid")  # over all but the left side of the hall
+    lid = Rectangle(-1, 3, 9, 5, name="lid")  # over all but the lower side of the hall
     state = removed(built(replace(HALL, obstacles=(Rectangle(1, 1, 1, 1), Rectangle(6, 5, 1, 1), lid))), "lid")
+    assert not state.rebuilt
     thrown = np.random.default_rng(8).uniform(-1, 9, (500, 2))
     assert (state.freespace.contains(thrown) == anew(state).freespace.contains(thrown)).all()
     check_equal(state, anew(state))

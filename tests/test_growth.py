@@ -450,3 +450,30 @@ def test_arguments_out_of_range_are_refused() -> None:
         free_region(scene, 0.1, corners="bevel")  # type: ignore[arg-type]
     with pytest.raises(TautError, match="keep must be"):
         free_region(scene, 0.1, keep=np.zeros(3))
+
+
+def test_edges_that_cross_by_less_than_rounding_are_still_united() -> None:
+    corners = [
+        (
+            (6.384847228410128, 6.453623097551715),
+            (7.340183717535734, 6.749143304213055),
+            (7.044663510874394, 7.704479793338661),
+            (6.0893270217487885, 7.408959586677321),
+        ),
+        (
+            (9.182080826645358, 4.178654043497576),
+            (10.137417315770964, 4.4741742501589155),
+            (9.841897109109624, 5.429510739284522),
+            (10.206193184912552, 7.635703924197073),
+            (8.29552020666134, 7.044663510874394),
+        ),
+        (
+            (7.931224130858412, 4.8384703259618425),
+            (8.886560619984019, 5.133990532623182),
+            (8.591040413322679, 6.0893270217487885),
+            (7.635703924197073, 5.793806815087448),
+        ),
+    ]
+    scene = Scene((0, 0, 16, 16), [Polygon(points) for points in corners])
+    for arc_error in (0.1, 1e-3):
+        assert shapely.is_valid(free_region(scene, 0.5, arc_error))

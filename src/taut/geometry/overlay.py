@@ -42,17 +42,21 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
     Polygon or MultiPolygon
         Valid; vertices of the input keep their coordinates bit for bit unless plain overlay fails.
     """
-    alone = _alone(room, taken)
+    alone = _alone(room, taken, tol)
     rest = _without(room, taken[~alone], tol) if not alone.all() else room
     return _with_holes(rest, taken[alone]) if alone.any() else rest
 
 
-def _alone(room: Any, taken: Shapes) -> BoolArray:
-    """Mark the pieces without holes that meet no other piece and lie in the room's interior: holes as they are."""
-    i = shapely.STRtree(taken).query(taken, predicate="intersects")[0]
+def _alone(room: Any, taken: Shapes, tol: float) -> BoolArray:
+    """Mark the pieces without holes that lie in the room, farther than ``tol`` from all else: holes as they are.
+
+    Edges that cross by less than rounding may be told not to intersect.
+    """
+    i = shapely.STRtree(taken).query(taken, predicate="dwithin", distance=tol)[0]
     alone: BoolArray = (np.bincount(i, minlength=len(taken)) == 1) & (shapely.get_num_interior_rings(taken) == 0)
     shapely.prepare(room)
     alone[alone] = shapely.contains_properly(room, taken[alone])
+    alone[alone] = ~shapely.dwithin(shapely.boundary(room), taken[alone], tol)
     return alone
 
 

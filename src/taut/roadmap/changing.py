@@ -87,7 +87,7 @@ def with_obstacle(freespace: FreeSpace, tangents: VisibilityGraph, obstacle: Obs
     added = scene.obstacles[-1]
     shape = grown(added, freespace.growth, freespace.arc_error, keep=_kept(freespace))
     tol = max(freespace.scene.tol, _own_tol(added))
-    vars(scene)["tol"] = tol
+    vars(scene)["tol"] = tol  # which the scene would look for among all its obstacles
     if tol > freespace.scene.tol and _closes(freespace.mesh, tol):
         return _rebuilt(freespace, scene)
     margin = _NEAR * tol
