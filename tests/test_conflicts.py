@@ -12,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from naive_conflicts import Meeting, bisected, broken_promise, closest, sampled_conflicts
-from taut.team._kernels import edge_conflict, rest_conflict
+from taut.team._conflict_kernels import edge_conflict, rest_conflict
 
 NONE = (False, inf, -inf)
 

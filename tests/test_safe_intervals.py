@@ -15,8 +15,9 @@ from naive_search import Leg, earliest_arrival, forbidden_departures, legs_of, n
 from taut.graph import Graph
 from taut.motion import Trajectory
 from taut.scene import AtGoal, Robot, Scene
-from taut.team import _kernels
-from taut.team._kernels import Adjacency, Floats, Ints
+from taut.team import _conflict_kernels, _reservation_kernels, _search_kernels
+from taut.team._conflict_kernels import Floats, Ints
+from taut.team._search_kernels import Adjacency
 from taut.team.reservations import NOBODY, Reservations
 
 SIDE = 10.0
@@ -34,7 +35,7 @@ def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, flo
     lo, hi = (
         np.array(column, dtype=np.float64) for column in (zip(*intervals, strict=True) if intervals else ([], []))
     )
-    count = _kernels._merge(lo, hi, len(intervals))
+    count = _reservation_kernels._merge(lo, hi, len(intervals))
     merged = list(zip(lo[:count].tolist(), hi[:count].tolist(), strict=True))
     assert merged == sorted(merged)
     assert all(a[1] <= b[0] for a, b in pairwise(merged))
@@ -42,16 +43,16 @@ def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, flo
         assert any(a < time < b for a, b in merged) == any(a < time < b for a, b in intervals)
 
     allowed = [x for x in np.arange(-3, 22, 0.5).tolist() if not any(a < x < b for a, b in intervals)]
-    assert _kernels._first_free(lo, hi, count, t) == min(x for x in allowed if x >= t)
-    assert _kernels._last_free(lo, hi, count, t) == max(x for x in allowed if x <= t)
+    assert _reservation_kernels.first_free(lo, hi, count, t) == min(x for x in allowed if x >= t)
+    assert _reservation_kernels.last_free(lo, hi, count, t) == max(x for x in allowed if x <= t)
 
 
 def test_a_forbidden_time_without_end_leaves_nothing_free() -> None:
     lo, hi = np.array([1.0, 3.0]), np.array([2.0, math.inf])
-    assert _kernels._first_free(lo, hi, 2, 1.5) == 2.0
-    assert _kernels._first_free(lo, hi, 2, 3.0) == 3.0  # ends are free
-    assert _kernels._first_free(lo, hi, 2, 3.5) == math.inf
-    assert _kernels._last_free(lo, hi, 2, 1e9) == 3.0
+    assert _reservation_kernels.first_free(lo, hi, 2, 1.5) == 2.0
+    assert _reservation_kernels.first_free(lo, hi, 2, 3.0) == 3.0  # ends are free
+    assert _reservation_kernels.first_free(lo, hi, 2, 3.5) == math.inf
+    assert _reservation_kernels.last_free(lo, hi, 2, 1e9) == 3.0
 
 
 # --- Reservations -----------------------------------------------------------------------------------------------------
@@ -109,7 +110,7 @@ def plain_union(
     widened = [(lo - headway, hi + headway) for found, lo, hi in lists if found]
     kept = [(lo, hi) for lo, hi in widened if hi > earliest and lo < latest]
     lo, hi = np.array([p[0] for p in kept]), np.array([p[1] for p in kept])
-    count = _kernels._merge(lo, hi, len(kept))
+    count = _reservation_kernels._merge(lo, hi, len(kept))
     return lo[:count], hi[:count]
 
 
@@ -132,20 +133,22 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         a, b = rng.uniform(0, SIDE, (2, 2))
         if rng.random() < 0.4:
             a, b = places[rng.integers(len(places), size=2)]
-        lo, hi, count = _kernels.place_conflicts(a[0], a[1], arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark)
+        lo, hi, count = _reservation_kernels.place_conflicts(
+            a[0], a[1], arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark
+        )
         mark += 1
-        expected = [_kernels.rest_conflict(*np.array([*a, *legs[i], distances[i]])) for i in others]
+        expected = [_conflict_kernels.rest_conflict(*np.array([*a, *legs[i], distances[i]])) for i in others]
         for got, want in zip((lo[:count], hi[:count]), plain_union(expected, mine[2], -np.inf, np.inf), strict=True):
             np.testing.assert_array_equal(got, want)
 
         tau = max(math.dist(a, b), 0.01) / float(rng.choice([0.01, 1.0, 5.0]))
         earliest = float(rng.choice([0.0, rng.uniform(0, 40)]))
         latest = earliest + float(rng.choice([0.0, rng.uniform(0, 3), rng.uniform(0, 60), math.inf]))
-        lo, hi, count = _kernels._edge_conflicts(
+        lo, hi, count = _reservation_kernels.edge_conflicts(
             (*a, *b), tau, earliest, latest, arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark
         )
         mark += 1
-        expected = [_kernels.edge_conflict(*np.array([*a, *b, tau, *legs[i], distances[i]])) for i in others]
+        expected = [_conflict_kernels.edge_conflict(*np.array([*a, *b, tau, *legs[i], distances[i]])) for i in others]
         found = plain_union(expected, mine[2], earliest, latest)
         for got, want in zip((lo[:count], hi[:count]), found, strict=True):
             np.testing.assert_array_equal(got, want)
@@ -167,7 +170,7 @@ def test_the_earliest_departure_is_the_first_that_every_leg_allows(seed: int) ->
         a, b = places[rng.choice(len(places), size=2, replace=False)]
         tau, ready = math.dist(a, b) / 1.5, float(rng.uniform(0, 15))
         latest = ready + float(rng.choice([2.0, 20.0, math.inf]))
-        got, *_, mark = _kernels._earliest_departure(
+        got, *_, mark = _reservation_kernels.earliest_departure(
             (*a, *b), tau, ready, latest, arrays, 0, mine, np.empty(4), np.empty(4), stamp, mark
         )
         expected = ready
@@ -202,7 +205,7 @@ def test_a_taken_motion_replaces_the_hold_on_its_start() -> None:
     assert robots[kept].tolist() == [0, 0, 0, 1]
     assert (radii == 0.5).all()
     stamp = np.full(len(legs), -1, dtype=np.int64)
-    _, _, count = _kernels.place_conflicts(
+    _, _, count = _reservation_kernels.place_conflicts(
         1.0, 5.0, reservations.arrays, 2, np.array([0.5, 0.0, 0.0]), np.empty(4), np.empty(4), stamp, 0
     )
     assert count == 1
@@ -221,7 +224,10 @@ def test_blockers_are_the_legs_that_a_motion_meets() -> None:
         depart = 2.0 + np.append(0.0, np.cumsum(tau)[:-1])
         got = set(
             zip(
-                *(column.tolist() for column in _kernels.blockers(way, tau, depart, arrays, 0, body(scene))),
+                *(
+                    column.tolist()
+                    for column in _reservation_kernels.blockers(way, tau, depart, arrays, 0, body(scene))
+                ),
                 strict=True,
             )
         )
@@ -297,7 +303,7 @@ def search(
     robot = scene.robots[0]
     arrays = reserve(scene, trajectories, 1.0, 10.0).arrays
     stays, ends, pinched = scene.stays(robot), (start, goal), (False, False)
-    return _kernels.safe_interval_search(
+    return _search_kernels.safe_interval_search(
         base, over, positions, arrays, 0, body(scene), robot.speed, robot.start_time, stays, *ends, pinched
     )
 

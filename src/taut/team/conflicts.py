@@ -11,7 +11,7 @@ import numpy as np
 
 from taut.motion import Trajectory
 from taut.scene import Point
-from taut.team import _kernels
+from taut.team import _reservation_kernels
 from taut.team.prioritized import Round
 from taut.team.reservations import Reservations, distances_from
 from taut.team.world import World
@@ -161,7 +161,7 @@ def _meetings(world: World, i: int, reservations: Reservations) -> dict[int, lis
         for a, b, t0, t1 in zip(points.tolist(), points[1:].tolist(), times.tolist(), times[1:].tolist(), strict=False)
     ]
     if edges:
-        kernel = _kernels.blockers(np.ascontiguousarray(points), tau, times[:-1], arrays, i, world.body(i))
+        kernel = _reservation_kernels.blockers(np.ascontiguousarray(points), tau, times[:-1], arrays, i, world.body(i))
         found += [(leg, edges[k]) for leg, k in zip(*(x.tolist() for x in kernel), strict=True)]
     start, goal = points[0].tolist(), points[-1].tolist()
     rests = [_piece(start, 0.0, start, robot.start_time)] if edges else []

@@ -13,7 +13,8 @@ from taut.geometry.seeing import see_each_other
 from taut.roadmap import PlacesRoadmap
 from taut.route import Attached, Route
 from taut.scene import FloatArray
-from taut.team._kernels import Adjacency, Floats, Ints
+from taut.team._conflict_kernels import Floats, Ints
+from taut.team._search_kernels import Adjacency
 
 # 20 neighbours made the search a third slower and the plans of halls and warehouses less than 0.2 % shorter
 _NEIGHBOURS = 8

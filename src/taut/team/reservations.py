@@ -8,8 +8,9 @@ import numpy as np
 
 from taut.motion import Trajectory
 from taut.scene import Scene
-from taut.team import _kernels
-from taut.team._kernels import Floats, Ints, Reserved
+from taut.team import _reservation_kernels
+from taut.team._conflict_kernels import Floats, Ints
+from taut.team._reservation_kernels import Reserved
 
 NOBODY = -1
 _SPANS = 48
@@ -91,7 +92,7 @@ class Reservations:
         self._robot[first:last] = robot
         self._radius[first:last] = self._scene.robots[robot].radius
         self._count = last
-        self._entry, self._following, self._entries = _kernels.enter_legs(
+        self._entry, self._following, self._entries = _reservation_kernels.enter_legs(
             self._legs,
             first,
             last,

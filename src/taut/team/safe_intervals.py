@@ -9,8 +9,8 @@ from typing import TypeAlias
 import numpy as np
 
 from taut.motion import Trajectory
-from taut.team import _kernels
-from taut.team._kernels import Floats
+from taut.team import _reservation_kernels, _search_kernels
+from taut.team._conflict_kernels import Floats
 from taut.team.reservations import Reservations, distances_from
 from taut.team.world import World
 
@@ -39,7 +39,7 @@ def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory |
     n = len(shared.positions)
     graph = shared.graph
     positions = np.concatenate([shared.positions, own.positions])
-    found, vertices, arrive, depart, stuck, when, _ = _kernels.safe_interval_search(
+    found, vertices, arrive, depart, stuck, when, _ = _search_kernels.safe_interval_search(
         (graph.indptr, graph.indices, graph.weights),
         own.adjacency(n),
         positions,
@@ -89,7 +89,9 @@ def _passers(world: World, i: int, reservations: Reservations) -> bool:
     reserved = reservations.arrays
     empty, stamp = np.empty(4), np.full(len(reserved[0]), -1, dtype=np.int64)
     place = world.scene.robots[i].start
-    _, _, count = _kernels.place_conflicts(*place, reserved, i, world.body(i), empty, empty.copy(), stamp, 0)
+    _, _, count = _reservation_kernels.place_conflicts(
+        *place, reserved, i, world.body(i), empty, empty.copy(), stamp, 0
+    )
     return count > 0
 
 

@@ -12,7 +12,7 @@ from taut.freespace import FreeSpace, without_discs
 from taut.roadmap import PlacesRoadmap, places_roadmap, visibility_graph
 from taut.route import Attached, Route, attach, routes_between, shortest_routes
 from taut.scene import Scene
-from taut.team._kernels import Floats, Ints
+from taut.team._conflict_kernels import Floats, Ints
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
 
 
