@@ -43,7 +43,8 @@ def kernel(function: Function) -> Function:
 def _stamp() -> tuple[float, int]:
     """Newest time and total size of the files with kernels."""
     home = Path(__file__).resolve().parent
-    known = [path.stat() for path in (home / "heap.py", *home.glob("*/_*kernels.py")) if path.exists()]
+    shared = [home / "arrays.py", home / "heap.py"]
+    known = [path.stat() for path in (*shared, *home.glob("*/_*kernels.py")) if path.exists()]
     return max((file.st_mtime for file in known), default=0.0), sum(file.st_size for file in known)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
@@ -16,7 +16,7 @@ from taut.geometry.triangulation import Floats, Ints, Triangulation, triangulate
 from taut.scene import Robot, Scene
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False)
 class FreeSpace:
     """The workspace shrunk by ``growth`` metres, minus the obstacles grown by as much; closed.
 
@@ -39,36 +39,44 @@ class FreeSpace:
     """
 
     scene: Scene
-    growth: float
-    arc_error: float
-    region: shapely.Polygon | shapely.MultiPolygon
-    mesh: Triangulation
+    growth: float = 0.0
+    arc_error: float = 1e-3
+    region: shapely.Polygon | shapely.MultiPolygon = field(init=False)
+    mesh: Triangulation = field(init=False)
 
-    def __init__(
-        self,
-        scene: Scene,
-        growth: float = 0.0,
-        arc_error: float = 1e-3,
-        region: shapely.Polygon | shapely.MultiPolygon | None = None,
-    ) -> None:
-        if not (growth >= 0 and np.isfinite(growth)):
-            raise SceneError(f"growth must be a number ≥ 0, got {growth!r}")
-        if not 0 < arc_error < 1:
-            raise SceneError(f"arc_error must lie between 0 and 1, got {arc_error!r}")
-        ends = [p for r in scene.robots if scene.growth(r) == growth for p in (r.start, r.goal)]
-        keep = np.array(ends, dtype=np.float64).reshape(-1, 2)
-        if region is None:
-            region = free_region(scene, growth, arc_error, keep=keep)
-        object.__setattr__(self, "scene", scene)
-        object.__setattr__(self, "growth", growth)
-        object.__setattr__(self, "arc_error", arc_error)
-        object.__setattr__(self, "region", region)
-        object.__setattr__(self, "mesh", triangulate(region, scene.tol))
+    def __post_init__(self) -> None:
+        if not (self.growth >= 0 and np.isfinite(self.growth)):
+            raise SceneError(f"growth must be a number ≥ 0, got {self.growth!r}")
+        if not 0 < self.arc_error < 1:
+            raise SceneError(f"arc_error must lie between 0 and 1, got {self.arc_error!r}")
+        region = free_region(self.scene, self.growth, self.arc_error, keep=self.kept)
+        vars(self).update(region=region, mesh=triangulate(region, self.scene.tol))
 
     @classmethod
     def of(cls, scene: Scene, robot: Robot, arc_error: float = 1e-3) -> FreeSpace:
         """Return the free space of one robot of the scene."""
         return cls(scene, scene.growth(robot), arc_error)
+
+    @classmethod
+    def with_mesh(
+        cls,
+        scene: Scene,
+        growth: float,
+        arc_error: float,
+        region: shapely.Polygon | shapely.MultiPolygon,
+        mesh: Triangulation,
+    ) -> FreeSpace:
+        """Return a free space of which region and triangulation are known; that they fit is not checked."""
+        out = cls.__new__(cls)
+        vars(out).update(scene=scene, growth=growth, arc_error=arc_error, region=region, mesh=mesh)
+        return out
+
+    @property
+    def kept(self) -> Floats:
+        """Starts and goals that rounding of grown corners leaves free: (k, 2), of the robots that need this growth."""
+        scene = self.scene
+        ends = [p for r in scene.robots if scene.growth(r) == self.growth for p in (r.start, r.goal)]
+        return np.array(ends, dtype=np.float64).reshape(-1, 2)
 
     @property
     def area(self) -> float:
@@ -171,4 +179,5 @@ def without_discs(freespace: FreeSpace, centres: Floats, radii: Floats) -> FreeS
     region = remainder(freespace.region, discs, freespace.scene.tol) if len(discs) else freespace.region
     parts = shapely.get_parts(region)
     region = shapely.multipolygons(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON])
-    return FreeSpace(freespace.scene, freespace.growth, freespace.arc_error, region)
+    mesh = triangulate(region, freespace.scene.tol)
+    return FreeSpace.with_mesh(freespace.scene, freespace.growth, freespace.arc_error, region, mesh)

@@ -1,4 +1,4 @@
-"""Kernels of the plane: exact orientation, triangulation tables, point location.
+"""Kernels of the plane: exact orientation, segments, triangulation tables, point location.
 
 A triangulation is three arrays: ``xy`` (n, 2) vertices, ``tri`` (m, 3) vertex numbers counter-clockwise, ``nbr`` (m, 3)
 where ``nbr[t, k]`` lies across the edge from ``tri[t, k]`` to ``tri[t, k + 1]``, −1 at the boundary of the region.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import longer
 from taut.compiling import kernel
 
 Floats = NDArray[np.float64]
@@ -87,20 +88,37 @@ def beyond(xy: Floats, a: int, b: int, px: float, py: float, reach: float) -> bo
 
 
 @kernel
-def longer(a: Ints) -> Ints:
-    """Copy to twice the length; a loop, because slice assignment compiles ten times as long."""
-    out = np.empty(2 * a.shape[0], dtype=np.int64)
-    for i in range(a.shape[0]):
-        out[i] = a[i]
-    return out
+def segments_near(
+    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float, margin: float
+) -> bool:
+    """Whether the segments a b and c d come within ``margin`` of each other."""
+    if max(ax, bx) < min(cx, dx) - margin or min(ax, bx) > max(cx, dx) + margin:
+        return False
+    if max(ay, by) < min(cy, dy) - margin or min(ay, by) > max(cy, dy) + margin:
+        return False
+    least = min(_gap(ax, ay, bx, by, cx, cy), _gap(ax, ay, bx, by, dx, dy))
+    least = min(least, _gap(cx, cy, dx, dy, ax, ay), _gap(cx, cy, dx, dy, bx, by))
+    return least <= margin * margin or segments_cross(ax, ay, bx, by, cx, cy, dx, dy)
 
 
 @kernel
-def head(a: Ints, n: int) -> Ints:
-    out = np.empty(n, dtype=np.int64)
-    for i in range(n):
-        out[i] = a[i]
-    return out
+def segments_cross(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float) -> bool:
+    """Whether the segments a b and c d have exactly one point in common and it is no end of either."""
+    one, two = orient(ax, ay, bx, by, cx, cy), orient(ax, ay, bx, by, dx, dy)
+    if not ((one > 0.0 and two < 0.0) or (one < 0.0 and two > 0.0)):
+        return False
+    one, two = orient(cx, cy, dx, dy, ax, ay), orient(cx, cy, dx, dy, bx, by)
+    return (one > 0.0 and two < 0.0) or (one < 0.0 and two > 0.0)
+
+
+@kernel
+def _gap(ax: float, ay: float, bx: float, by: float, px: float, py: float) -> float:
+    """Square of the distance of p from the segment a b, which may be a point."""
+    ex, ey, dx, dy = bx - ax, by - ay, px - ax, py - ay
+    square = ex * ex + ey * ey
+    f = min(max((dx * ex + dy * ey) / square, 0.0), 1.0) if square > 0.0 else 0.0
+    dx, dy = dx - f * ex, dy - f * ey
+    return dx * dx + dy * dy
 
 
 @kernel
@@ -271,7 +289,7 @@ def wedge_turns(xy: Floats, fan: Ints) -> Ints:
 
 
 @kernel
-def _row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[float, float]:
+def row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[float, float]:
     """The x-range of triangle t within the strip lo ≤ y ≤ hi, widened a little; empty as (inf, -inf)."""
     x0, x1 = np.inf, -np.inf
     for k in range(3):
@@ -294,7 +312,8 @@ def _row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[floa
 
 
 @kernel
-def _cell(x: float, x0: float, step: float, n: int) -> int:
+def cell_of(x: float, x0: float, step: float, n: int) -> int:
+    """Number of the column or row, of n that are ``step`` wide and begin at x0, that x lies in or is nearest to."""
     return min(max(int((x - x0) / step), 0), n - 1)
 
 
@@ -330,16 +349,16 @@ def location_grid(xy: Floats, tri: Ints) -> tuple[Floats, Ints, Ints, Ints]:
                 xy[tri[t, 2], 0],
                 xy[tri[t, 2], 1],
             )
-            low, high = _cell(min(ya, yb, yc) - slack, y0, step, ny), _cell(max(ya, yb, yc) + slack, y0, step, ny)
-            left, right = _cell(min(xa, xb, xc) - slack, x0, step, nx), _cell(max(xa, xb, xc) + slack, x0, step, nx)
+            low, high = cell_of(min(ya, yb, yc) - slack, y0, step, ny), cell_of(max(ya, yb, yc) + slack, y0, step, ny)
+            left, right = cell_of(min(xa, xb, xc) - slack, x0, step, nx), cell_of(max(xa, xb, xc) + slack, x0, step, nx)
             few = (high - low + 1) * (right - left + 1) <= 6  # then all of them cost less than finding out which
             for row in range(low, high + 1):
                 a, b = left, right
                 if not few:
-                    begin, end = _row_span(xy, tri, t, y0 + row * step - slack, y0 + (row + 1) * step + slack)
+                    begin, end = row_span(xy, tri, t, y0 + row * step - slack, y0 + (row + 1) * step + slack)
                     if end < begin:
                         continue
-                    a, b = _cell(begin - slack, x0, step, nx), _cell(end + slack, x0, step, nx)
+                    a, b = cell_of(begin - slack, x0, step, nx), cell_of(end + slack, x0, step, nx)
                 for col in range(a, b + 1):
                     c = row * nx + col
                     if fill == 1:
@@ -366,7 +385,7 @@ def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items
         x, y = points[i, 0], points[i, 1]
         if not (np.isfinite(x) and np.isfinite(y)):
             continue
-        col, row = _cell(x, frame[0], frame[2], nx), _cell(y, frame[1], frame[2], ny)
+        col, row = cell_of(x, frame[0], frame[2], nx), cell_of(y, frame[1], frame[2], ny)
         c = row * nx + col
         for j in range(start[c], start[c + 1]):
             if inside(xy, tri, items[j], x, y):

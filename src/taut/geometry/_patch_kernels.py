@@ -1,4 +1,4 @@
-"""Kernels that change a few triangles of a large mesh: cut out, put in, flip, find again what is unchanged, look anew.
+"""Kernels that change a few triangles of a large mesh: cut out, put in, flip, find again what is unchanged.
 
 Arrays mean the same as in `taut.geometry._kernels`.
 """
@@ -8,166 +8,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import head, longer
 from taut.compiling import kernel
-from taut.geometry._kernels import _cell, _row_span, beyond, head, inside, longer, orient
-from taut.geometry._seeing_kernels import _blind, _higher, _parts_line, entry, expand
+from taut.geometry._kernels import beyond, cell_of, inside, orient, row_span, segments_near
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # Shewchuk 1997, Adaptive precision floating-point arithmetic: error bound of the plain in-circle determinant
 _CIRCLE_ERROR = (10.0 + 96.0 * 2.0**-53) * 2.0**-53
-
-
-# ---------------------------------------------------------------------------------------------------------------------
-# The boundary of the mesh
-
-
-@kernel
-def walls_in_box(xy: Floats, fan: Ints, x0: float, y0: float, x1: float, y1: float) -> Ints:
-    """Wedges whose boundary edge, from vertex to first neighbour, has a bounding box that meets the box given."""
-    out = np.empty(64, dtype=np.int64)
-    n = 0
-    for w in range(fan.shape[0]):
-        ax, ay, bx, by = xy[fan[w, 0], 0], xy[fan[w, 0], 1], xy[fan[w, 1], 0], xy[fan[w, 1], 1]
-        if max(ax, bx) < x0 or min(ax, bx) > x1 or max(ay, by) < y0 or min(ay, by) > y1:
-            continue
-        if n == out.shape[0]:
-            out = longer(out)
-        out[n] = w
-        n += 1
-    return head(out, n)
-
-
-@kernel
-def loops_through(fan: Ints, wedge_of: Ints, seeds: Ints) -> Ints:
-    """Wedges whose boundary edges are on the closed walks along the boundary that pass through some of them."""
-    seen = np.zeros(fan.shape[0], dtype=np.bool_)
-    out = np.empty(64, dtype=np.int64)
-    n = 0
-    for seed in seeds:
-        w = seed
-        while not seen[w]:
-            seen[w] = True
-            if n == out.shape[0]:
-                out = longer(out)
-            out[n] = w
-            n += 1
-            w = wedge_of[fan[w, 3], (fan[w, 4] + 1) % 3]
-    return head(out, n)
-
-
-@kernel
-def boundary_rings(xy: Floats, fan: Ints, wedge_of: Ints, part: Ints, parts: int) -> tuple[Ints, Ints, Ints]:
-    """Cut the boundary into rings that pass through no other vertex than the first twice.
-
-    Returns
-    -------
-    vertex : (k,) vertices, ring after ring, the first of each again at its end.
-    ring_start : (r + 1,) where each ring begins, part after part, the shell of each before its holes.
-    part_start : (p + 1,) where the rings of each part begin.
-    """
-    n = fan.shape[0]
-    vertex = np.empty(2 * n, dtype=np.int64)
-    start = np.zeros(n + 1, dtype=np.int64)
-    owner = np.empty(n, dtype=np.int64)
-    hole = np.zeros(n, dtype=np.bool_)
-    seen = np.zeros(n, dtype=np.bool_)
-    place = np.full(xy.shape[0], -1, dtype=np.int64)
-    path = np.empty(n + 1, dtype=np.int64)
-    filled, rings = 0, 0
-    for seed in range(n):
-        if seen[seed]:
-            continue
-        top = 0
-        w = seed
-        while True:
-            v = fan[w, 0]
-            back = 0 if seen[w] else place[v]
-            if back >= 0:
-                area = 0.0
-                for i in range(back, top):
-                    a, b = path[i], path[i + 1] if i + 1 < top else path[back]
-                    area += (xy[a, 0] - xy[v, 0]) * (xy[b, 1] - xy[v, 1])
-                    area -= (xy[a, 1] - xy[v, 1]) * (xy[b, 0] - xy[v, 0])
-                    place[a] = -1
-                # an edge that is walked forth and back is no ring
-                if top - back > 2:
-                    for i in range(back, top):
-                        vertex[filled] = path[i]
-                        filled += 1
-                    vertex[filled] = path[back]
-                    filled += 1
-                    owner[rings], hole[rings] = part[fan[seed, 3]], area < 0.0
-                    rings += 1
-                    start[rings] = filled
-                top = back
-            if seen[w]:
-                break
-            seen[w] = True
-            place[v], path[top] = top, v
-            top += 1
-            w = wedge_of[fan[w, 3], (fan[w, 4] + 1) % 3]
-    part_start = np.zeros(parts + 1, dtype=np.int64)
-    for r in range(rings):
-        part_start[owner[r] + 1] += 1
-    for p in range(parts):
-        part_start[p + 1] += part_start[p]
-    order = np.empty(rings, dtype=np.int64)
-    put = part_start.copy()
-    for holes in range(2):
-        for r in range(rings):
-            if hole[r] == (holes == 1):
-                order[put[owner[r]]] = r
-                put[owner[r]] += 1
-    out = np.empty(filled, dtype=np.int64)
-    ring_start = np.zeros(rings + 1, dtype=np.int64)
-    filled = 0
-    for k in range(rings):
-        for i in range(start[order[k]], start[order[k] + 1]):
-            out[filled] = vertex[i]
-            filled += 1
-        ring_start[k + 1] = filled
-    return out, ring_start, part_start
-
-
-# ---------------------------------------------------------------------------------------------------------------------
-# The cavity
-
-
-@kernel
-def _gap(ax: float, ay: float, bx: float, by: float, px: float, py: float) -> float:
-    """Square of the distance of p from the segment a b, which may be a point."""
-    ex, ey, dx, dy = bx - ax, by - ay, px - ax, py - ay
-    square = ex * ex + ey * ey
-    f = min(max((dx * ex + dy * ey) / square, 0.0), 1.0) if square > 0.0 else 0.0
-    dx, dy = dx - f * ex, dy - f * ey
-    return dx * dx + dy * dy
-
-
-@kernel
-def _crosses(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float) -> bool:
-    """Whether the segments a b and c d have exactly one point in common and it is no end of either."""
-    one, two = orient(ax, ay, bx, by, cx, cy), orient(ax, ay, bx, by, dx, dy)
-    if not ((one > 0.0 and two < 0.0) or (one < 0.0 and two > 0.0)):
-        return False
-    one, two = orient(cx, cy, dx, dy, ax, ay), orient(cx, cy, dx, dy, bx, by)
-    return (one > 0.0 and two < 0.0) or (one < 0.0 and two > 0.0)
-
-
-@kernel
-def _near(
-    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float, margin: float
-) -> bool:
-    """Whether the segments a b and c d come within ``margin`` of each other."""
-    if max(ax, bx) < min(cx, dx) - margin or min(ax, bx) > max(cx, dx) + margin:
-        return False
-    if max(ay, by) < min(cy, dy) - margin or min(ay, by) > max(cy, dy) + margin:
-        return False
-    least = min(_gap(ax, ay, bx, by, cx, cy), _gap(ax, ay, bx, by, dx, dy))
-    least = min(least, _gap(cx, cy, dx, dy, ax, ay), _gap(cx, cy, dx, dy, bx, by))
-    return least <= margin * margin or _crosses(ax, ay, bx, by, cx, cy, dx, dy)
 
 
 @kernel
@@ -184,12 +33,12 @@ def triangles_near(
     for e in range(edges.shape[0]):
         ax, ay, bx, by = xy[edges[e, 0], 0], xy[edges[e, 0], 1], xy[edges[e, 1], 0], xy[edges[e, 1], 1]
         col0, col1 = (
-            _cell(min(ax, bx) - margin, frame[0], frame[2], nx),
-            _cell(max(ax, bx) + margin, frame[0], frame[2], nx),
+            cell_of(min(ax, bx) - margin, frame[0], frame[2], nx),
+            cell_of(max(ax, bx) + margin, frame[0], frame[2], nx),
         )
         row0, row1 = (
-            _cell(min(ay, by) - margin, frame[1], frame[2], ny),
-            _cell(max(ay, by) + margin, frame[1], frame[2], ny),
+            cell_of(min(ay, by) - margin, frame[1], frame[2], ny),
+            cell_of(max(ay, by) + margin, frame[1], frame[2], ny),
         )
         for row in range(row0, row1 + 1):
             for col in range(col0, col1 + 1):
@@ -200,7 +49,7 @@ def triangles_near(
                     near = inside(xy, tri, t, ax, ay)
                     for k in range(3):
                         c, d = tri[t, k], tri[t, (k + 1) % 3]
-                        near = near or _near(ax, ay, bx, by, xy[c, 0], xy[c, 1], xy[d, 0], xy[d, 1], margin)
+                        near = near or segments_near(ax, ay, bx, by, xy[c, 0], xy[c, 1], xy[d, 0], xy[d, 1], margin)
                     if not near:
                         continue
                     marked[t] = True
@@ -491,12 +340,12 @@ def patched_grid(
     for t in changed:
         ymin = min(xy[tri[t, 0], 1], xy[tri[t, 1], 1], xy[tri[t, 2], 1])
         ymax = max(xy[tri[t, 0], 1], xy[tri[t, 1], 1], xy[tri[t, 2], 1])
-        for row in range(_cell(ymin - slack, frame[1], step, ny), _cell(ymax + slack, frame[1], step, ny) + 1):
+        for row in range(cell_of(ymin - slack, frame[1], step, ny), cell_of(ymax + slack, frame[1], step, ny) + 1):
             lo = frame[1] + row * step
-            xa, xb = _row_span(xy, tri, t, lo - slack, lo + step + slack)
+            xa, xb = row_span(xy, tri, t, lo - slack, lo + step + slack)
             if xb < xa:
                 continue
-            for col in range(_cell(xa - slack, frame[0], step, nx), _cell(xb + slack, frame[0], step, nx) + 1):
+            for col in range(cell_of(xa - slack, frame[0], step, nx), cell_of(xb + slack, frame[0], step, nx) + 1):
                 if n == cell.shape[0]:
                     cell, what = longer(cell), longer(what)
                 cell[n], what[n] = row * nx + col, t
@@ -522,217 +371,3 @@ def patched_grid(
         out[more[cell[i]]] = what[i]
         more[cell[i]] += 1
     return out_start, head(out, filled)
-
-
-# ---------------------------------------------------------------------------------------------------------------------
-# Seeing anew
-
-
-@kernel
-def meeting(positions: Floats, indptr: Ints, indices: Ints, sides: Floats, margin: float) -> tuple[Ints, Ints, Bools]:
-    """Edges (i, j), i < j, that come within ``margin`` of the sides (k, 4) of a polygon, and whether they cross one."""
-    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
-    for k in range(sides.shape[0]):
-        x0, x1 = min(x0, sides[k, 0], sides[k, 2]), max(x1, sides[k, 0], sides[k, 2])
-        y0, y1 = min(y0, sides[k, 1], sides[k, 3]), max(y1, sides[k, 1], sides[k, 3])
-    x0, y0, x1, y1 = x0 - margin, y0 - margin, x1 + margin, y1 + margin
-    a = np.empty(64, dtype=np.int64)
-    b = np.empty(64, dtype=np.int64)
-    through = np.empty(64, dtype=np.int64)
-    n = 0
-    for i in range(positions.shape[0]):
-        ax, ay = positions[i, 0], positions[i, 1]
-        for e in range(indptr[i + 1] - 1, indptr[i] - 1, -1):
-            j = indices[e]
-            if j < i:
-                break
-            bx, by = positions[j, 0], positions[j, 1]
-            if max(ax, bx) < x0 or min(ax, bx) > x1 or max(ay, by) < y0 or min(ay, by) > y1:
-                continue
-            near, crossing = False, False
-            for k in range(sides.shape[0]):
-                cx, cy, dx, dy = sides[k, 0], sides[k, 1], sides[k, 2], sides[k, 3]
-                if not _near(ax, ay, bx, by, cx, cy, dx, dy, margin):
-                    continue
-                near = True
-                if _crosses(ax, ay, bx, by, cx, cy, dx, dy):
-                    crossing = True
-                    break
-            if not near:
-                continue
-            if n == a.shape[0]:
-                a, b, through = longer(a), longer(b), longer(through)
-            a[n], b[n], through[n] = i, j, 1 if crossing else 0
-            n += 1
-    return head(a, n), head(b, n), head(through, n) > 0
-
-
-@kernel
-def _within(px: float, py: float, ax: float, ay: float, bx: float, by: float, qx: float, qy: float) -> bool:
-    """Whether q lies, seen from p, in the closed cone from a counter-clockwise to b, which is narrower than π."""
-    return orient(px, py, ax, ay, qx, qy) >= 0.0 and orient(px, py, qx, qy, bx, by) >= 0.0
-
-
-@kernel
-def _push_cone(
-    xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, right: int, left: int, v: int, b: int, a: int, stack: Ints
-) -> int:
-    """Put the cone from corner v between two points through edge k of triangle t on the empty stack.
-
-    Returns how many rows there are: none if the edge is closed or the cone wholly blind.
-    """
-    s = nbr[t, k]
-    right_blind = 1 if _blind(xy, v, b, a, right) else 0
-    left_blind = 1 if _blind(xy, v, b, a, left) else 0
-    rows = 0
-    if s >= 0 and not (right_blind == 1 and left_blind == 1):
-        stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = s, entry(tri, nbr, t, k, s), right, left
-        stack[0, 4], stack[0, 5] = right_blind, left_blind
-        rows = 1
-    return rows
-
-
-@kernel
-def see_past(
-    xy: Floats, tri: Ints, nbr: Ints, fan: Ints, wedge_of: Ints, wanted: Bools, roots: Ints, hull: Ints
-) -> tuple[Ints, Ints]:
-    """Pairs (v, w) of wanted wedges, v one of ``roots``, joined by a taut segment without a vertex strictly between.
-
-    ``hull``, if not empty, are rows of ``xy`` that are a convex polygon, counter-clockwise: every pair whose segment
-    or its extension beyond w meets its inside is found, others may be left out.
-    """
-    va = np.empty(256, dtype=np.int64)
-    vb = np.empty(256, dtype=np.int64)
-    count = 0
-    stack = np.empty((64, 6), dtype=np.int64)
-    seen = np.empty(256, dtype=np.int64)
-    h = hull.shape[0]
-    for v in roots:
-        vertex = fan[v, 0]
-        px, py = xy[vertex, 0], xy[vertex, 1]
-        first, last = fan[v, 1], fan[v, 2]
-        around = True
-        right, left = -1, -1
-        for i in range(h):
-            a, b = hull[i], hull[i + 1 if i + 1 < h else 0]
-            c = hull[i - 1 if i > 0 else h - 1]
-            after = orient(px, py, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1])
-            before = orient(px, py, xy[c, 0], xy[c, 1], xy[a, 0], xy[a, 1])
-            if after < 0.0:
-                around = False
-            # the tangent points of a convex polygon are where its boundary turns round, seen from p
-            if before <= 0.0 and after > 0.0:
-                right = a
-            if before > 0.0 and after <= 0.0:
-                left = a
-        around = around or right < 0 or left < 0
-        if not around and _blind(xy, vertex, first, last, right) and _blind(xy, vertex, first, last, left):
-            continue
-        n = 0
-        s, j = fan[v, 3], fan[v, 4]
-        while s >= 0:
-            a, b = tri[s, (j + 1) % 3], tri[s, (j + 2) % 3]
-            if n + 2 > seen.shape[0]:
-                seen = longer(seen)
-            from_right, to_left = a, b
-            if not around:
-                rx, ry, lx, ly = xy[right, 0], xy[right, 1], xy[left, 0], xy[left, 1]
-                ax, ay, bx, by = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
-                a_in, b_in = _within(px, py, rx, ry, lx, ly, ax, ay), _within(px, py, rx, ry, lx, ly, bx, by)
-                if not a_in:
-                    from_right = right if _within(px, py, ax, ay, bx, by, rx, ry) else -1
-                if not b_in:
-                    to_left = left if _within(px, py, ax, ay, bx, by, lx, ly) else -1
-            else:
-                a_in, b_in = True, True
-            if a_in:
-                seen[n] = wedge_of[s, (j + 1) % 3]
-                n += 1
-            if b_in and nbr[s, (j + 2) % 3] < 0:
-                seen[n] = wedge_of[s, (j + 2) % 3]
-                n += 1
-            if from_right >= 0 and to_left >= 0:
-                top = _push_cone(xy, tri, nbr, s, (j + 1) % 3, from_right, to_left, vertex, first, last, stack)
-                top, n = expand(xy, tri, nbr, wedge_of, px, py, vertex, first, last, stack, top, seen, n, np.inf)
-                while top > 0:
-                    stack, seen = _higher(stack), longer(seen)
-                    top, n = expand(xy, tri, nbr, wedge_of, px, py, vertex, first, last, stack, top, seen, n, np.inf)
-            s = nbr[s, (j + 2) % 3]
-            if s >= 0:
-                j = 0
-                while tri[s, j] != vertex:
-                    j += 1
-        for i in range(n):
-            w = seen[i]
-            if not wanted[w]:
-                continue
-            u = fan[w, 0]
-            if _parts_line(xy, px, py, u, fan[w, 1], fan[w, 2]) or _parts_line(
-                xy, xy[u, 0], xy[u, 1], vertex, fan[v, 1], fan[v, 2]
-            ):
-                continue
-            if count == va.shape[0]:
-                va, vb = longer(va), longer(vb)
-            va[count], vb[count] = v, w
-            count += 1
-    return head(va, count), head(vb, count)
-
-
-@kernel
-def _place(indptr: Ints, indices: Ints, i: int, j: int) -> int:
-    """Place of column j in row i."""
-    lo, hi = indptr[i], indptr[i + 1]
-    while lo < hi:
-        middle = (lo + hi) // 2
-        if indices[middle] < j:
-            lo = middle + 1
-        else:
-            hi = middle
-    return int(lo)
-
-
-@kernel
-def patched_rows(
-    indptr: Ints, indices: Ints, weights: Floats, number: Ints, n: int, lost: Ints, pairs: Ints, lengths: Floats
-) -> tuple[Ints, Ints, Floats]:
-    """CSR of a graph on n vertices of which some edges are lost and some are new.
-
-    ``number`` holds the new numbers of the old vertices, ascending, −1 for those that are gone; the others come last.
-    ``lost`` (k, 2) are edges in old numbers, ``pairs`` (p, 2) in new ones, both directions of each and sorted by rows;
-    pairs that are edges already are no harm.
-    """
-    gone = np.zeros(indices.shape[0], dtype=np.bool_)
-    for k in range(lost.shape[0]):
-        gone[_place(indptr, indices, lost[k, 0], lost[k, 1])] = True
-        gone[_place(indptr, indices, lost[k, 1], lost[k, 0])] = True
-    out_start = np.empty(n + 1, dtype=np.int64)
-    out = np.empty(indices.shape[0] + pairs.shape[0], dtype=np.int64)
-    out_weights = np.empty(indices.shape[0] + pairs.shape[0])
-    k, filled = 0, 0
-    row = 0
-    for old in range(number.shape[0] + 1):
-        # after the old vertices that stay come the new ones
-        last = n if old == number.shape[0] else number[old] + 1
-        for i in range(row, last):
-            out_start[i] = filled
-            e = indptr[old] if old < number.shape[0] else 0
-            end = indptr[old + 1] if old < number.shape[0] else 0
-            while k < pairs.shape[0] and pairs[k, 0] == i:
-                while e < end and (gone[e] or number[indices[e]] < pairs[k, 1]):
-                    if not gone[e] and number[indices[e]] >= 0:
-                        out[filled], out_weights[filled] = number[indices[e]], weights[e]
-                        filled += 1
-                    e += 1
-                if e < end and number[indices[e]] == pairs[k, 1]:
-                    e += 1
-                out[filled], out_weights[filled] = pairs[k, 1], lengths[k]
-                filled += 1
-                k += 1
-            for f in range(e, end):
-                j = number[indices[f]]
-                if j >= 0 and not gone[f]:
-                    out[filled], out_weights[filled] = j, weights[f]
-                    filled += 1
-        row = max(row, last)
-    out_start[n] = filled
-    return out_start, out[:filled], out_weights[:filled]

@@ -9,20 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import head, higher, longer
 from taut.compiling import kernel
-from taut.geometry._kernels import beyond, head, inside, longer, orient
+from taut.geometry._kernels import beyond, inside, orient
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-@kernel
-def _higher(stack: Ints) -> Ints:
-    out = np.empty((2 * stack.shape[0], stack.shape[1]), dtype=np.int64)
-    for i in range(stack.shape[0]):
-        for k in range(stack.shape[1]):
-            out[i, k] = stack[i, k]
-    return out
 
 
 @kernel
@@ -75,7 +67,7 @@ def roots(
 
 
 @kernel
-def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> bool:
+def parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> bool:
     """Whether the line from p through vertex v strictly separates v's neighbours: then no taut path bends at v."""
     vx, vy = xy[v, 0], xy[v, 1]
     ob = orient(px, py, vx, vy, xy[b, 0], xy[b, 1])
@@ -84,7 +76,7 @@ def _parts_line(xy: Floats, px: float, py: float, v: int, b: int, a: int) -> boo
 
 
 @kernel
-def _blind(xy: Floats, root: int, b: int, a: int, u: int) -> bool:
+def blind(xy: Floats, root: int, b: int, a: int, u: int) -> bool:
     """Whether u lies, seen from corner `root`, where no taut path can leave: both boundary edges would be cut off."""
     vx, vy, ux, uy = xy[root, 0], xy[root, 1], xy[u, 0], xy[u, 1]
     return orient(vx, vy, xy[b, 0], xy[b, 1], ux, uy) >= 0.0 and orient(vx, vy, xy[a, 0], xy[a, 1], ux, uy) <= 0.0
@@ -135,7 +127,7 @@ def expand(
             continue
         seen[n] = wedge_of[t, j]
         n += 1
-        u_blind = 1 if root >= 0 and _blind(xy, root, first, last, u) else 0
+        u_blind = 1 if root >= 0 and blind(xy, root, first, last, u) else 0
         s = nbr[t, k_right]
         if s >= 0 and not (u_blind == 1 and right_blind == 1):
             stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3] = s, entry(tri, nbr, t, k_right, s), right, u
@@ -159,15 +151,26 @@ def entry(tri: Ints, nbr: Ints, t: int, side: int, s: int) -> int:
 
 
 @kernel
-def push_root(xy: Floats, tri: Ints, nbr: Ints, t: int, k: int, root: int, first: int, last: int, stack: Ints) -> int:
-    """Put the cone from the root through edge k of triangle t on the empty stack, unless it is closed or wholly blind.
+def push_cone(
+    xy: Floats,
+    tri: Ints,
+    nbr: Ints,
+    t: int,
+    k: int,
+    right: int,
+    left: int,
+    root: int,
+    first: int,
+    last: int,
+    stack: Ints,
+) -> int:
+    """Put the cone between vertices ``right`` and ``left`` through edge k of triangle t on the empty stack of `expand`.
 
-    Returns how many rows there are.
+    Returns how many rows there are: none if the edge is closed or the cone wholly blind.
     """
     s = nbr[t, k]
-    right, left = tri[t, k], tri[t, (k + 1) % 3]
-    right_blind = 1 if root >= 0 and _blind(xy, root, first, last, right) else 0
-    left_blind = 1 if root >= 0 and _blind(xy, root, first, last, left) else 0
+    right_blind = 1 if root >= 0 and blind(xy, root, first, last, right) else 0
+    left_blind = 1 if root >= 0 and blind(xy, root, first, last, left) else 0
     rows = 0
     if s >= 0 and not (right_blind == 1 and left_blind == 1):
         stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = s, entry(tri, nbr, t, k, s), right, left
@@ -212,10 +215,11 @@ def see_from_wedges(
                 seen = longer(seen)
             seen[n] = wedge_of[s, (j + 1) % 3]
             n += 1
-            top = push_root(xy, tri, nbr, s, (j + 1) % 3, root, right, left, stack)
+            a, b = tri[s, (j + 1) % 3], tri[s, (j + 2) % 3]
+            top = push_cone(xy, tri, nbr, s, (j + 1) % 3, a, b, root, right, left, stack)
             top, n = expand(xy, tri, nbr, wedge_of, px, py, root, right, left, stack, top, seen, n, np.inf)
             while top > 0:
-                stack, seen = _higher(stack), longer(seen)
+                stack, seen = higher(stack), longer(seen)
                 top, n = expand(xy, tri, nbr, wedge_of, px, py, root, right, left, stack, top, seen, n, np.inf)
             following = nbr[s, (j + 2) % 3]
             if following < 0:
@@ -234,7 +238,7 @@ def see_from_wedges(
                 continue
             if taut:
                 u = fan[w, 0]
-                if _parts_line(xy, px, py, u, fan[w, 1], fan[w, 2]) or _parts_line(
+                if parts_line(xy, px, py, u, fan[w, 1], fan[w, 2]) or parts_line(
                     xy, xy[u, 0], xy[u, 1], vertex, fan[v, 1], fan[v, 2]
                 ):
                     continue
@@ -289,17 +293,17 @@ def see_from_points(
                     seen[n] = wedge_of[t, k]
                     n += 1
                 if orient(px, py, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]) > 0.0:
-                    top = push_root(xy, tri, nbr, t, k, -1, -1, -1, stack)
+                    top = push_cone(xy, tri, nbr, t, k, a, b, -1, -1, -1, stack)
                     top, n = expand(xy, tri, nbr, wedge_of, px, py, -1, -1, -1, stack, top, seen, n, reach)
                     while top > 0:
-                        stack, seen = _higher(stack), longer(seen)
+                        stack, seen = higher(stack), longer(seen)
                         top, n = expand(xy, tri, nbr, wedge_of, px, py, -1, -1, -1, stack, top, seen, n, reach)
         for i in range(n):
             w = seen[i]
             if met[w] == p or not wanted[w]:
                 continue
             met[w] = p
-            if taut and _parts_line(xy, px, py, fan[w, 0], fan[w, 1], fan[w, 2]):
+            if taut and parts_line(xy, px, py, fan[w, 0], fan[w, 1], fan[w, 2]):
                 continue
             if count == out.shape[0]:
                 out = longer(out)

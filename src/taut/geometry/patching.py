@@ -8,15 +8,13 @@ make the whole Delaunay again, so that long chains of changes do not spoil it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import pythoncdt
 import shapely
 from numpy.typing import NDArray
 
-from taut.geometry import _kernels, _patch_kernels
-from taut.geometry.triangulation import Floats, Ints, Triangulation, _outline, _tabulate
+from taut.geometry import _boundary_kernels, _kernels, _patch_kernels
+from taut.geometry.triangulation import Floats, Ints, Triangulation, boundary_of, filled, tabulated
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +46,15 @@ def unchanged(mesh: Triangulation) -> Patch:
 
 def outline(region: shapely.Polygon | shapely.MultiPolygon) -> Floats:
     """Edges of a region's rings between vertices that are not straight: (k, 4) metres."""
-    vertices, edges = _outline(region)
+    vertices, edges = boundary_of(region)
     return vertices[edges].reshape(-1, 4)
 
 
 def walls_near(mesh: Triangulation, shape: shapely.Geometry, margin: float) -> Ints:
     """Wedges whose boundary edge, from the vertex to the first neighbour, is within ``margin`` metres of a shape."""
     x0, y0, x1, y1 = shape.bounds
-    found = _patch_kernels.walls_in_box(mesh.vertices, mesh.wedges, x0 - margin, y0 - margin, x1 + margin, y1 + margin)
+    box = x0 - margin, y0 - margin, x1 + margin, y1 + margin
+    found = _boundary_kernels.walls_in_box(mesh.vertices, mesh.wedges, *box)
     edges = shapely.linestrings(mesh.vertices[mesh.wedges[found, :2]])
     near: Ints = found[shapely.dwithin(edges, shape, margin)]
     return near
@@ -65,10 +64,10 @@ def walls_about(mesh: Triangulation, cores: NDArray[np.object_], reach: Floats) 
     """Wedges whose boundary edge lies on a closed walk that comes within ``reach`` (k,) metres of a core (k,)."""
     box = shapely.bounds(cores) + reach[:, None] * [-1, -1, 1, 1]
     bounds = (*box[:, :2].min(axis=0), *box[:, 2:].max(axis=0))
-    near = _patch_kernels.walls_in_box(mesh.vertices, mesh.wedges, *bounds)
+    near = _boundary_kernels.walls_in_box(mesh.vertices, mesh.wedges, *bounds)
     at = shapely.points(mesh.vertices[mesh.wedges[near, 0]])
     seeds = near[np.unique(shapely.STRtree(at).query(cores, "dwithin", reach)[1])]
-    return _patch_kernels.loops_through(mesh.wedges, mesh.wedge_of, seeds)
+    return _boundary_kernels.loops_through(mesh.wedges, mesh.wedge_of, seeds)
 
 
 def patched(mesh: Triangulation, walls: Ints, edges: Floats, narrowest: float, margin: float) -> Patch:
@@ -101,7 +100,7 @@ def patched(mesh: Triangulation, walls: Ints, edges: Floats, narrowest: float, m
     xy = np.ascontiguousarray(vertices[vertex_number >= 0])
     moved = _patch_kernels.flip_to_delaunay(xy, tri, nbr, len(tri) - len(triangles))
     if not _fits(mesh, xy[tri[moved]], len(tri)) or _patch_kernels.any_hairline(xy, tri, nbr, moved, narrowest):
-        after = _tabulate(xy, *_kernels.close_hairlines(xy, tri, nbr, narrowest))
+        after = tabulated(xy, *_kernels.close_hairlines(xy, tri, nbr, narrowest))
     else:
         after = _tables(mesh, xy, tri, nbr, vertex_number, triangle_number, moved)
     before = _patch_kernels.same_wedges(
@@ -112,7 +111,7 @@ def patched(mesh: Triangulation, walls: Ints, edges: Floats, narrowest: float, m
 
 def region_of(mesh: Triangulation) -> shapely.Polygon | shapely.MultiPolygon:
     """Region that a triangulation covers, without its straight vertices and closed passages."""
-    vertex, ring_start, part_start = _patch_kernels.boundary_rings(
+    vertex, ring_start, part_start = _boundary_kernels.boundary_rings(
         mesh.vertices, mesh.wedges, mesh.wedge_of, mesh.parts, mesh.part_count
     )
     offsets = ring_start, part_start
@@ -149,22 +148,11 @@ def _filled(vertices: Floats, edges: Ints) -> tuple[Ints, Ints]:
     if len(edges) == 0:
         return np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64)
     used, rows = np.unique(edges, return_inverse=True)
-    cdt = pythoncdt.Triangulation(
-        pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
-    )
-    # arrays are buffers, but only from Python 3.12 on do their types say so
-    points: Any = vertices[used]
-    sides: Any = rows.reshape(-1, 2).astype(np.uint32)
     try:
-        cdt.insert_vertices(points)
-        cdt.insert_edges(sides)
-    except RuntimeError:
+        triangles, neighbours = filled(vertices[used], rows.reshape(-1, 2))
+    except ValueError:
         raise Unsafe from None
-    cdt.erase_outer_triangles_and_holes()
-    found = cdt.triangles_array()
-    neighbours = found["neighbors"].astype(np.int64)
-    neighbours[found["neighbors"] == pythoncdt.NO_NEIGHBOR] = -1
-    return used[found["vertices"].astype(np.int64)], neighbours
+    return used[triangles], neighbours
 
 
 def _across(n: int, triangles: Ints, neighbours: Ints, rim: Ints, beyond: Ints) -> Ints:

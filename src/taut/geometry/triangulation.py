@@ -72,31 +72,57 @@ def triangulate(region: shapely.Polygon | shapely.MultiPolygon, narrowest: float
     ValueError
         The rings cross: the region is not valid.
     """
-    vertices, edges = _outline(region)
+    vertices, edges = boundary_of(region)
     if len(vertices) == 0:
-        return _tabulate(np.empty((0, 2)), np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
+        return tabulated(np.empty((0, 2)), np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
+    triangles, neighbours = filled(vertices, edges)
+    if narrowest > 0:
+        triangles, neighbours = _kernels.close_hairlines(vertices, triangles, neighbours, narrowest)
+    return tabulated(vertices, triangles, neighbours)
+
+
+def filled(vertices: Floats, edges: Ints) -> tuple[Ints, Ints]:
+    """Triangulate what closed edges (e, 2) enclose, which may be nothing: triangles and their neighbours.
+
+    Raises
+    ------
+    ValueError
+        The edges cross.
+    """
     cdt = pythoncdt.Triangulation(
         pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
     )
     # arrays are buffers, but only from Python 3.12 on do their types say so
     points: Any = vertices
     sides: Any = edges.astype(np.uint32)
-    cdt.insert_vertices(points)
     try:
+        cdt.insert_vertices(points)
         cdt.insert_edges(sides)
     except RuntimeError as error:
         raise ValueError(f"the rings of the region cross: {error}") from None
     cdt.erase_outer_triangles_and_holes()
-    rows = cdt.triangles_array()
-    triangles = rows["vertices"].astype(np.int64)
-    neighbours = rows["neighbors"].astype(np.int64)
-    neighbours[rows["neighbors"] == pythoncdt.NO_NEIGHBOR] = -1
-    if narrowest > 0:
-        triangles, neighbours = _kernels.close_hairlines(vertices, triangles, neighbours, narrowest)
-    return _tabulate(vertices, triangles, neighbours)
+    found = cdt.triangles_array()
+    neighbours = found["neighbors"].astype(np.int64)
+    neighbours[found["neighbors"] == pythoncdt.NO_NEIGHBOR] = -1
+    return found["vertices"].astype(np.int64), neighbours
 
 
-def _outline(region: shapely.Polygon | shapely.MultiPolygon) -> tuple[Floats, Ints]:
+def tabulated(vertices: Floats, triangles: Ints, neighbours: Ints) -> Triangulation:
+    """Complete triangles and their neighbours with all tables."""
+    parts, part_count = _kernels.label_parts(neighbours)
+    fan, wedge_of = _kernels.wedges(triangles, neighbours)
+    order = np.argsort(fan[:, 0], kind="stable").astype(np.int64)
+    start = np.searchsorted(fan[order, 0], np.arange(len(vertices) + 1)).astype(np.int64)
+    grid = (
+        _kernels.location_grid(vertices, triangles)
+        if len(triangles)
+        else (np.zeros(3), np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    )
+    turns = _kernels.wedge_turns(vertices, fan)
+    return Triangulation(vertices, triangles, neighbours, parts, part_count, fan, wedge_of, turns, start, order, grid)
+
+
+def boundary_of(region: shapely.Polygon | shapely.MultiPolygon) -> tuple[Floats, Ints]:
     """Distinct vertices of the region's rings and the edges between them, straight vertices left out."""
     rings = shapely.get_rings(shapely.get_parts(region))
     if len(rings) == 0:
@@ -122,17 +148,3 @@ def _outline(region: shapely.Polygon | shapely.MultiPolygon) -> tuple[Floats, In
 def _distinct(xy: Floats) -> tuple[Floats, Ints]:
     keys, number = np.unique(xy[:, 0] + 1j * xy[:, 1], return_inverse=True)
     return np.ascontiguousarray(np.stack([keys.real, keys.imag], axis=1)), number.astype(np.int64)
-
-
-def _tabulate(vertices: Floats, triangles: Ints, neighbours: Ints) -> Triangulation:
-    parts, part_count = _kernels.label_parts(neighbours)
-    fan, wedge_of = _kernels.wedges(triangles, neighbours)
-    order = np.argsort(fan[:, 0], kind="stable").astype(np.int64)
-    start = np.searchsorted(fan[order, 0], np.arange(len(vertices) + 1)).astype(np.int64)
-    grid = (
-        _kernels.location_grid(vertices, triangles)
-        if len(triangles)
-        else (np.zeros(3), np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64))
-    )
-    turns = _kernels.wedge_turns(vertices, fan)
-    return Triangulation(vertices, triangles, neighbours, parts, part_count, fan, wedge_of, turns, start, order, grid)

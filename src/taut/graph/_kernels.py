@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import longer
 from taut.compiling import kernel
 from taut.heap import drop_first, push
 
@@ -86,23 +87,6 @@ def dijkstra(indptr: Ints, indices: Ints, weights: Floats, sources: Ints, offset
 
 
 @kernel
-def _longer(a: Ints) -> Ints:
-    """Copy to twice the length; a loop, because slice assignment compiles ten times as long."""
-    out = np.empty(2 * a.shape[0], dtype=np.int64)
-    for i in range(a.shape[0]):
-        out[i] = a[i]
-    return out
-
-
-@kernel
-def _longer_keys(a: Floats) -> Floats:
-    out = np.empty(2 * a.shape[0])
-    for i in range(a.shape[0]):
-        out[i] = a[i]
-    return out
-
-
-@kernel
 def astar(
     indptr: Ints,
     indices: Ints,
@@ -146,7 +130,7 @@ def astar(
             before[v] = -1
             state[v] = seen
             if size == keys.shape[0]:
-                keys, items = _longer_keys(keys), _longer(items)
+                keys, items = longer(keys), longer(items)
             push(keys, items, size, distance[v] + np.sqrt((x - tx) ** 2 + (y - ty) ** 2), v)
             size += 1
         while size > 0:
@@ -163,7 +147,7 @@ def astar(
                 if state[n] < seen or through < distance[n]:
                     distance[n], before[n], state[n] = through, u, seen
                     if size == keys.shape[0]:
-                        keys, items = _longer_keys(keys), _longer(items)
+                        keys, items = longer(keys), longer(items)
                     push(keys, items, size, through, n)
                     size += 1
             # what cannot beat the way to the target known so far is not followed
@@ -179,7 +163,7 @@ def astar(
                         continue
                     distance[v], before[v], state[v] = through, u, seen
                     if size == keys.shape[0]:
-                        keys, items = _longer_keys(keys), _longer(items)
+                        keys, items = longer(keys), longer(items)
                     push(keys, items, size, through + estimate, v)
                     size += 1
         if state[n] == done:
@@ -190,7 +174,7 @@ def astar(
                 steps += 1
                 v = before[v]
             while filled + steps > path.shape[0]:
-                path = _longer(path)
+                path = longer(path)
             v = before[n]
             for i in range(filled + steps - 1, filled - 1, -1):
                 path[i] = v

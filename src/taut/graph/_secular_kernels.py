@@ -19,6 +19,38 @@ _MOST_STEPS = 200
 
 
 @kernel
+def gains(values: Floats, vectors: Floats, pairs: Ints, weights: Floats) -> Floats:
+    """Least eigenvalue after adding each of the edges alone: (p,) values, (n, p) vectors, (m, 2) pairs."""
+    out = np.empty(pairs.shape[0])
+    squares = np.empty(values.shape[0])
+    width = values[-1] * 2.0**-51
+    for i in range(pairs.shape[0]):
+        _square_differences(vectors, pairs[i, 0], pairs[i, 1], squares)
+        out[i] = _gained(values, squares, weights[i], width)
+    return out
+
+
+@kernel
+def losses(values: Floats, vectors: Floats, pairs: Ints, weights: Floats) -> Floats:
+    """Least eigenvalue after removing each of the edges alone."""
+    out = np.empty(pairs.shape[0])
+    squares = np.empty(values.shape[0])
+    width = values[-1] * 2.0**-51
+    for i in range(pairs.shape[0]):
+        _square_differences(vectors, pairs[i, 0], pairs[i, 1], squares)
+        out[i] = _lost(values, squares, weights[i], width)
+    return out
+
+
+@kernel
+def _square_differences(vectors: Floats, u: int, v: int, out: Floats) -> None:
+    """Write z_k² of the pair u, v."""
+    for k in range(out.shape[0]):
+        z = vectors[u, k] - vectors[v, k]
+        out[k] = z * z
+
+
+@kernel
 def _gained(values: Floats, squares: Floats, weight: float, width: float) -> float:
     """Least eigenvalue after adding: ascending ``values``, ``squares`` z_k²; stops at steps of ``width``."""
     first = float(values[0])
@@ -44,18 +76,11 @@ def _gained(values: Floats, squares: Floats, weight: float, width: float) -> flo
             rest += share
             slope += share / away
         value = s1 * x - s0 * (g - x) + rest * x * (g - x)
-        if value < 0.0:
-            low = x
-        else:
-            high = x
         rise = s0 + s1 + rest * (g - 2.0 * x) + slope * x * (g - x)
-        following = x - value / rise if rise > 0.0 else low
-        if not low < following < high:
-            following = 0.5 * (low + high)
-        if abs(following - x) <= width:
-            x = following
+        before = x
+        x, low, high = _stepped(x, value, rise, low, high)
+        if abs(x - before) <= width:
             break
-        x = following
     return float(first + x)
 
 
@@ -76,46 +101,22 @@ def _lost(values: Floats, squares: Floats, weight: float, width: float) -> float
             rest -= share
             slope += share / away
         value = rest * x - s0
-        if value < 0.0:
-            low = x
-        else:
-            high = x
         rise = rest + slope * x
-        following = x - value / rise if rise > 0.0 else low
-        if not low < following < high:
-            following = 0.5 * (low + high)
-        if abs(following - x) <= width:
-            x = following
+        before = x
+        x, low, high = _stepped(x, value, rise, low, high)
+        if abs(x - before) <= width:
             break
-        x = following
     return float(first - x)
 
 
 @kernel
-def gains(values: Floats, vectors: Floats, pairs: Ints, weights: Floats) -> Floats:
-    """Least eigenvalue after adding each of the edges alone: (p,) values, (n, p) vectors, (m, 2) pairs."""
-    out = np.empty(pairs.shape[0])
-    squares = np.empty(values.shape[0])
-    width = values[-1] * 2.0**-51
-    for i in range(pairs.shape[0]):
-        u, v = pairs[i, 0], pairs[i, 1]
-        for k in range(values.shape[0]):
-            z = vectors[u, k] - vectors[v, k]
-            squares[k] = z * z
-        out[i] = _gained(values, squares, weights[i], width)
-    return out
-
-
-@kernel
-def losses(values: Floats, vectors: Floats, pairs: Ints, weights: Floats) -> Floats:
-    """Least eigenvalue after removing each of the edges alone."""
-    out = np.empty(pairs.shape[0])
-    squares = np.empty(values.shape[0])
-    width = values[-1] * 2.0**-51
-    for i in range(pairs.shape[0]):
-        u, v = pairs[i, 0], pairs[i, 1]
-        for k in range(values.shape[0]):
-            z = vectors[u, k] - vectors[v, k]
-            squares[k] = z * z
-        out[i] = _lost(values, squares, weights[i], width)
-    return out
+def _stepped(x: float, value: float, rise: float, low: float, high: float) -> tuple[float, float, float]:
+    """Take a step of Newton's from x, or bisect where it leaves the bracket: the next x, and the bracket, narrowed."""
+    if value < 0.0:
+        low = x
+    else:
+        high = x
+    following = x - value / rise if rise > 0.0 else low
+    if not low < following < high:
+        following = 0.5 * (low + high)
+    return following, low, high

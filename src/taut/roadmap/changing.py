@@ -25,6 +25,7 @@ from taut.geometry.patching import Patch, Unsafe, outline, patched, region_of, u
 from taut.geometry.triangulation import Triangulation
 from taut.graph import Graph
 from taut.graph.core import Floats, Ints
+from taut.roadmap import _changing_kernels
 from taut.roadmap.visibility import VisibilityGraph, visibility_graph
 from taut.scene import Line, Obstacle, Polygon, Scene
 
@@ -85,7 +86,7 @@ def with_obstacle(freespace: FreeSpace, tangents: VisibilityGraph, obstacle: Obs
     _check(freespace, tangents)
     scene = replace(freespace.scene, obstacles=(*freespace.scene.obstacles, obstacle))
     added = scene.obstacles[-1]
-    shape = grown(added, freespace.growth, freespace.arc_error, keep=_kept(freespace))
+    shape = grown(added, freespace.growth, freespace.arc_error, keep=freespace.kept)
     tol = max(freespace.scene.tol, _own_tol(added))
     vars(scene)["tol"] = tol  # which the scene would look for among all its obstacles
     if tol > freespace.scene.tol and _closes(freespace.mesh, tol):
@@ -132,7 +133,7 @@ def without_obstacle(freespace: FreeSpace, tangents: VisibilityGraph, name: str)
         patch = _recomputed(freespace, cluster, [old.obstacles[k] for k in cluster.members if k != place], old.tol)
     except Unsafe:
         return _rebuilt(freespace, scene)
-    shape = grown(gone, freespace.growth, freespace.arc_error, keep=_kept(freespace))
+    shape = grown(gone, freespace.growth, freespace.arc_error, keep=freespace.kept)
     corners = shapely.get_coordinates(shapely.oriented_envelope(shape))
     return _changed(freespace, tangents, scene, patch, np.append(corners, _strays(patch, shape, margin), axis=0))
 
@@ -159,13 +160,6 @@ def _check(freespace: FreeSpace, tangents: VisibilityGraph) -> None:
             "tangents is not the tangent graph of this free space without further points; "
             "build it by visibility_graph(freespace)"
         )
-
-
-def _kept(freespace: FreeSpace) -> Floats:
-    """Starts and goals that growth leaves free, as in `FreeSpace`."""
-    scene = freespace.scene
-    ends = [p for r in scene.robots if scene.growth(r) == freespace.growth for p in (r.start, r.goal)]
-    return np.array(ends, dtype=np.float64).reshape(-1, 2)
 
 
 def _own_tol(obstacle: Obstacle) -> float:
@@ -249,7 +243,7 @@ def _recomputed(freespace: FreeSpace, cluster: _Cluster, after: list[Obstacle], 
     outside = not cluster.walled and not shapely.Polygon(freespace.scene.workspace).intersects(cluster.cores[0])
     if (after or cluster.walled) and not outside:
         local = Scene(frame, after)
-        edges = outline(free_region(local, freespace.growth, freespace.arc_error, keep=_kept(freespace)))
+        edges = outline(free_region(local, freespace.growth, freespace.arc_error, keep=freespace.kept))
     if not cluster.walled:
         inside = (edges >= np.tile(low, 2)).all(axis=1) & (edges <= np.tile(high, 2)).all(axis=1)
         edges = edges[inside]
@@ -265,24 +259,11 @@ def _strays(patch: Patch, shape: shapely.Geometry, margin: float) -> Floats:
 def _changed(freespace: FreeSpace, tangents: VisibilityGraph, scene: Scene, patch: Patch, past: Floats) -> Changed:
     """Put together the changed map; what is gone lies within the convex hull of the points ``past`` (h, 2)."""
     if patch.mesh is freespace.mesh:
-        same = _free(freespace, scene, freespace.region, patch.mesh)
+        same = FreeSpace.with_mesh(scene, freespace.growth, freespace.arc_error, freespace.region, patch.mesh)
         return Changed(same, tangents, np.arange(tangents.graph.n), False)
-    space = _free(freespace, scene, region_of(patch.mesh), patch.mesh)
+    region = region_of(patch.mesh)
+    space = FreeSpace.with_mesh(scene, freespace.growth, freespace.arc_error, region, patch.mesh)
     return _seen(space, tangents, patch, past)
-
-
-def _free(old: FreeSpace, scene: Scene, region: shapely.Geometry, mesh: Triangulation) -> FreeSpace:
-    """Put together a free space that is triangulated already."""
-    out = object.__new__(FreeSpace)
-    for field, value in (
-        ("scene", scene),
-        ("growth", old.growth),
-        ("arc_error", old.arc_error),
-        ("region", region),
-        ("mesh", mesh),
-    ):
-        object.__setattr__(out, field, value)
-    return out
 
 
 def _seen(space: FreeSpace, tangents: VisibilityGraph, patch: Patch, past: Floats) -> Changed:
@@ -292,19 +273,19 @@ def _seen(space: FreeSpace, tangents: VisibilityGraph, patch: Patch, past: Float
     wedges, before, number = _renumbered(tangents, patch, wanted)
     kept = int(np.count_nonzero(before >= 0))
     # an edge that touches changed boundary without crossing it is in doubt: it is dropped and looked for again
-    a, b, crosses = _patch_kernels.meeting(
+    a, b, crosses = _changing_kernels.meeting(
         tangents.positions, graph.indptr, graph.indices, patch.changed, _NEAR * space.scene.tol
     )
     doubtful = number[a[~crosses]]
     roots = np.concatenate([wedges[kept:], wedges[np.unique(doubtful[doubtful >= 0])]])
     arrays = (mesh.triangles, mesh.neighbours, mesh.wedges, mesh.wedge_of, wanted)
-    found = [_patch_kernels.see_past(mesh.vertices, *arrays, roots, np.empty(0, dtype=np.int64))]
+    found = [_changing_kernels.see_past(mesh.vertices, *arrays, roots, np.empty(0, dtype=np.int64))]
     if len(past):
         around = _hull(past, _NEAR * space.scene.tol)
         hull = len(mesh.vertices) + np.arange(len(around))
         extended = np.concatenate([mesh.vertices, around])
         found += over_chunks(
-            lambda first, last: _patch_kernels.see_past(extended, *arrays, wedges[first:last], hull), kept, _CHUNK
+            lambda first, last: _changing_kernels.see_past(extended, *arrays, wedges[first:last], hull), kept, _CHUNK
         )
     vertex = np.full(len(wanted), -1, dtype=np.int64)
     vertex[wedges] = np.arange(len(wedges))
@@ -313,7 +294,7 @@ def _seen(space: FreeSpace, tangents: VisibilityGraph, patch: Patch, past: Float
     pairs = np.stack([keys // max(len(wedges), 1), keys % max(len(wedges), 1)], axis=1)
     positions = mesh.vertices[mesh.wedges[wedges, 0]]
     lengths = np.hypot(*(positions[pairs[:, 0]] - positions[pairs[:, 1]]).T)
-    rows = _patch_kernels.patched_rows(
+    rows = _changing_kernels.patched_rows(
         graph.indptr, graph.indices, graph.weights, number, len(wedges), np.stack([a, b], axis=1), pairs, lengths
     )
     return Changed(space, VisibilityGraph(positions, Graph(*rows), wedges), before, False)

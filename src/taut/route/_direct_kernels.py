@@ -12,10 +12,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import higher, longer
 from taut.compiling import kernel
-from taut.geometry._kernels import longer, orient
+from taut.geometry._kernels import orient
 from taut.geometry._seeing_kernels import roots as roots_of
-from taut.heap import drop_first
+from taut.heap import drop_first, push
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -91,7 +92,7 @@ def search_pairs(
             if leads_there[parts[t]] != i:
                 continue
             if size + 3 > rows.shape[0]:
-                rows, keys, items = _more_rows(rows, keys, items)
+                rows, keys, items = higher(rows), longer(keys), longer(items)
             for k in range(3):
                 right, left = tri[t, k], tri[t, (k + 1) % 3]
                 if orient(sx, sy, xy[right, 0], xy[right, 1], xy[left, 0], xy[left, 1]) > 0.0:
@@ -128,14 +129,14 @@ def search_pairs(
                     steps,
                 )
                 if not over:
-                    rows, keys, items = _more_rows(rows, keys, items)
-                    bends, at = _higher(bends), _taller(at)
+                    rows, keys, items = higher(rows), longer(keys), longer(items)
+                    bends, at = higher(bends), higher(at)
             expanded[i - first] = steps
             for r in range(1, roots):
                 shortest[bends[r, 1]] = np.inf
         if end >= 0:
             while count + bends.shape[0] + 2 > points.shape[0]:
-                points = _taller(points)
+                points = higher(points)
             length[i - first], count = _write_path(given, i, bends, at, end, points, count)
         start[i - first + 1] = count
     return length, expanded, start, points[:count].copy()
@@ -429,33 +430,6 @@ def _write_path(
 
 
 @kernel
-def _more_rows(rows: Ints, keys: Floats, items: Ints) -> tuple[Ints, Floats, Ints]:
-    n = keys.shape[0]
-    more_keys, more_items = np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
-    for i in range(n):
-        more_keys[i], more_items[i] = keys[i], items[i]
-    return _higher(rows), more_keys, more_items
-
-
-@kernel
-def _higher(rows: Ints) -> Ints:
-    out = np.empty((2 * rows.shape[0], rows.shape[1]), dtype=np.int64)
-    for i in range(rows.shape[0]):
-        for k in range(rows.shape[1]):
-            out[i, k] = rows[i, k]
-    return out
-
-
-@kernel
-def _taller(rows: Floats) -> Floats:
-    out = np.empty((2 * rows.shape[0], rows.shape[1]))
-    for i in range(rows.shape[0]):
-        for k in range(rows.shape[1]):
-            out[i, k] = rows[i, k]
-    return out
-
-
-@kernel
 def _put(
     rows: Ints,
     keys: Floats,
@@ -471,11 +445,4 @@ def _put(
 ) -> None:
     """Write a row and queue it, for which there must be room; ties are served by the smaller row."""
     rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4] = t, k, root, right, left
-    i = size
-    while i > 0:
-        parent = (i - 1) >> 1
-        if keys[parent] <= key:
-            break
-        keys[i], items[i] = keys[parent], items[parent]
-        i = parent
-    keys[i], items[i] = key, row
+    push(keys, items, size, key, row)
