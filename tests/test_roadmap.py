@@ -19,7 +19,7 @@ from taut.formats import load_scene
 from taut.freespace import FreeSpace
 from taut.graph import Graph, dijkstra
 from taut.graph.core import Ints
-from taut.roadmap import PlacesRoadmap, places_roadmap
+from taut.roadmap import PlacesRoadmap, SharedRoadmap, places_roadmap
 from taut.scene import FloatArray, Polygon, Robot, Scene
 from taut.team.own_roadmap import OwnRoadmap, _rings
 from taut.team.world import World
@@ -43,7 +43,7 @@ def separations(scene: Scene) -> list[float]:
 def keys(roadmap: PlacesRoadmap) -> list[tuple[float, float, tuple[float, float]]]:
     """The corners as the reference names them."""
     mesh = roadmap.freespace.mesh
-    at, first = (mesh.vertices[mesh.wedges[roadmap.wedges, k]].tolist() for k in (0, 1))
+    at, first = (mesh.vertices[mesh.wedges[roadmap.tangents.wedges, k]].tolist() for k in (0, 1))
     return [(x, y, (a, b)) for (x, y), (a, b) in zip(at, first, strict=True)]
 
 
@@ -74,7 +74,7 @@ def check_allowed(space: FreeSpace, spots: list[Spot], exact: ExactRegion, edges
 
 def check_roadmap(roadmap: PlacesRoadmap) -> int:
     space = roadmap.freespace
-    xy, corners = roadmap.positions, len(roadmap.wedges)
+    xy, corners = roadmap.positions, roadmap.first_place
     between = xy[roadmap.edges[:, 0]] - xy[roadmap.edges[:, 1]]
     np.testing.assert_allclose(roadmap.lengths, np.hypot(*between.T), rtol=1e-15)
     assert (roadmap.lengths > 0).all()
@@ -116,6 +116,7 @@ def test_generated_edges_are_allowed(scene: Scene) -> None:
 def check_own(world: World, i: int) -> None:
     """Check the edges that one robot has beyond the shared ones; its ends count where they are anchored."""
     shared, own, robot = world.shared(i), world.own(i), world.scene.robots[i]
+    assert isinstance(shared, PlacesRoadmap)
     space, n, tol = shared.freespace, len(shared.positions), world.scene.tol
     assert (own.positions[:2] == [robot.start, robot.goal]).all()
     assert ((own.edges >= 0) & (own.edges < n + len(own.positions))).all()
@@ -129,7 +130,7 @@ def check_own(world: World, i: int) -> None:
     xy[n:] = anchored
     if len(shapely.get_coordinates(space.region)) > MOST_VERTICES:
         return
-    corners = len(shared.wedges)
+    corners = shared.first_place
     places = [tuple(p) for p in xy[corners:].tolist()]
     exact = ExactRegion(space.region, places)
     spots = [*corner_spots(shared, exact), *(exact.free(place) for place in places)]
@@ -141,7 +142,7 @@ def check_own(world: World, i: int) -> None:
         )
 
 
-def connected(shared: PlacesRoadmap, own: OwnRoadmap) -> bool:
+def connected(shared: SharedRoadmap, own: OwnRoadmap) -> bool:
     """Whether the own edges and the shared ones lead from the start to the goal."""
     n = len(shared.positions)
     seen, stack = {n}, [n]
@@ -248,7 +249,7 @@ def test_the_bay_of_a_corridor_has_a_place_to_wait() -> None:
     scene = load_scene("corridor-swap")
     robot = scene.robots[0]
     roadmap = places_roadmap(FreeSpace.of(scene, robot), scene.separation(robot, robot))
-    bay = roadmap.positions[len(roadmap.wedges) :]
+    bay = roadmap.positions[roadmap.first_place :]
     # one who waits here keeps the distance to one who passes along the corridor
     assert (bay[:, 1] >= 0.65 + scene.separation(robot, robot) - 0.15 - 1e-9).any()
     assert nearest(roadmap, [(8.75, 1.65), (9.65, 1.65)]).max() < 0.5
@@ -288,7 +289,7 @@ def test_every_dead_end_and_every_passage_has_a_place_nearby() -> None:
 def test_a_hall_has_a_lattice_of_sixteen_directions() -> None:
     roadmap = places_roadmap(FreeSpace(Scene((0, 0, 20, 20))), 0.5)
     assert roadmap.spacing == 1.0
-    corner = len(roadmap.wedges)
+    corner = roadmap.first_place
     middle = corner + int(roadmap.places.query((10.0, 10.0))[1])
     around = roadmap.graph.indices[roadmap.graph.indptr[middle] : roadmap.graph.indptr[middle + 1]]
     steps = roadmap.positions[around] - roadmap.positions[middle]
@@ -303,7 +304,7 @@ def test_large_halls_have_a_bounded_number_of_places() -> None:
 def test_a_single_robot_needs_no_places() -> None:
     space = FreeSpace(Scene((0, 0, 8, 8), [Polygon([(2, 2), (6, 2), (6, 6), (2, 6)])]))
     roadmap = places_roadmap(space, math.inf)
-    assert len(roadmap.positions) == len(roadmap.wedges) == 4
+    assert len(roadmap.positions) == roadmap.first_place == 4
     assert roadmap.edges.tolist() == roadmap.tangents.edges.tolist()
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from taut import control as control
     from taut import graph as graph
     from taut.certificate import Certificate, certify
+    from taut.editing import with_obstacle, without_obstacle
     from taut.errors import (
         GoalBlocked,
         NoPath,
@@ -42,11 +43,9 @@ if TYPE_CHECKING:
         paths,
         prepare,
         shortest_path,
-        with_obstacle,
-        without_obstacle,
     )
     from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
-    from taut.team import Result, plan
+    from taut.team import Replanned, Result, plan, replan
     from taut.validation import validate
 
     __version__: str
@@ -66,6 +65,7 @@ __all__ = [
     "PlanError",
     "Polygon",
     "Rectangle",
+    "Replanned",
     "Result",
     "Roadmap",
     "Robot",
@@ -89,6 +89,7 @@ __all__ = [
     "plan",
     "prepare",
     "random_scene",
+    "replan",
     "save",
     "save_figure",
     "save_stages",
@@ -103,6 +104,7 @@ if not TYPE_CHECKING:
     # Hidden from type checkers: with a module-level __getattr__ they would accept every misspelt name.
     _HOMES = {
         "taut.certificate": ("Certificate", "certify"),
+        "taut.editing": ("with_obstacle", "without_obstacle"),
         "taut.errors": (
             "GoalBlocked",
             "NoPath",
@@ -128,11 +130,9 @@ if not TYPE_CHECKING:
             "paths",
             "prepare",
             "shortest_path",
-            "with_obstacle",
-            "without_obstacle",
         ),
         "taut.scene": ("Circle", "Line", "Polygon", "Rectangle", "Robot", "Scene"),
-        "taut.team": ("Result", "plan"),
+        "taut.team": ("Replanned", "Result", "plan", "replan"),
         "taut.validation": ("validate",),
     }
     _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
@@ -271,6 +271,16 @@ class Scene:
         for robot in self.robots:
             largest = max(largest, *(abs(c) for c in (*robot.start, *robot.goal)))
         return 2.0**-40 * largest
+
+    def with_obstacles(self, obstacles: Iterable[Obstacle]) -> Scene:
+        """Return the same world with some of its obstacles only; its tolerance stays.
+
+        >>> Scene((0, 0, 4, 3), [Circle((1, 1), 0.5), Circle((3, 1), 0.5)]).with_obstacles([]).obstacles
+        ()
+        """
+        out = replace(self, obstacles=tuple(obstacles))
+        vars(out)["tol"] = self.tol
+        return out
 
     def growth(self, robot: Robot) -> float:
         """Metres by which obstacles grow for this robot: its radius plus its clearance."""

@@ -12,7 +12,7 @@ from typing import Annotated, Any, TextIO, cast
 
 import typer
 
-from taut.cli import INTERRUPTED, graph_command, plan_commands, scene_commands
+from taut.cli import INTERRUPTED, graph_command, plan_commands, replan_command, scene_commands
 from taut.cli.output import say_error
 from taut.errors import OutputError, TautError
 
@@ -27,6 +27,7 @@ app = typer.Typer(
     epilog="Exit codes: 0 done, 1 no plan or it does not hold, 2 bad input, 130 interrupted.",
 )
 app.command("plan")(plan_commands.plan)
+app.command("replan")(replan_command.replan)
 app.command("verify")(plan_commands.verify)
 app.command("check")(scene_commands.check)
 app.command("show")(plan_commands.show)

@@ -16,6 +16,20 @@ class Method(StrEnum):
     mrppa = "mrppa"
 
 
+class RoadmapName(StrEnum):
+    """On what the robots move."""
+
+    visibility = "visibility"
+    voronoi = "voronoi"
+    grid = "grid"
+    prm = "prm"
+    lazy_prm = "lazy-prm"
+    cells = "cells"
+    potential = "potential"
+    ca = "ca"
+    oca = "oca"
+
+
 class WeightName(StrEnum):
     """How λ2 weighs an edge."""
 

@@ -19,6 +19,7 @@ from taut.cli.options import (
     JsonOption,
     Method,
     Order,
+    RoadmapName,
     SceneArgument,
     WeightName,
 )
@@ -39,6 +40,7 @@ def plan(
     ] = None,
     method: Annotated[Method, typer.Option(help="How the team is planned.")] = Method.prioritized,
     order: Annotated[Order, typer.Option(help="Which robots are planned first.")] = Order.shortest,
+    roadmap: Annotated[RoadmapName, typer.Option(help="On what the robots move.")] = RoadmapName.visibility,
     seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop trying after S seconds.")] = None,
     rounds: Annotated[
         int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")
@@ -66,6 +68,8 @@ def plan(
     for given, option in ((weight, "--weight"), (split, "--split")):
         if given is not None and method is not Method.mrppa:
             raise typer.BadParameter("belongs to --method mrppa", param_hint=option)
+    if method is Method.mrppa and roadmap is not RoadmapName.visibility:
+        raise typer.BadParameter("--method mrppa works on the visibility graph", param_hint="--roadmap")
     never = Path(scene)
     require_writable(output, "a plan", (".json",), never)
     require_pictures(figure, animate, with_graph, never)
@@ -95,6 +99,7 @@ def plan(
             world,
             method=method.value,
             order=order.value,
+            roadmap=roadmap.value,
             seed=seed,
             rounds=rounds,
             seconds=seconds,

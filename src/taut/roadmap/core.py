@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from taut.freespace import FreeSpace
 from taut.graph import Graph
 from taut.graph.core import Floats, Ints
 
@@ -30,3 +31,17 @@ class Roadmap:
     def lengths(self) -> Floats:
         """(m,) metres, in the order of `edges`."""
         return self.graph.lengths
+
+
+@dataclass(frozen=True, eq=False)
+class LocatedRoadmap(Roadmap):
+    """A roadmap that knows the free space in which it lies.
+
+    Parameters
+    ----------
+    freespace : all edges are allowed motions there; no vertex lies where it merely touches itself.
+    triangles : (n,) a triangle of its mesh that contains each vertex.
+    """
+
+    freespace: FreeSpace
+    triangles: Ints

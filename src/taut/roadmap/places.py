@@ -16,7 +16,8 @@ from taut.freespace import FreeSpace
 from taut.geometry.seeing import see_each_other, see_from
 from taut.geometry.triangulation import Floats, Ints, Triangulation
 from taut.graph import Graph
-from taut.roadmap.core import Roadmap
+from taut.roadmap.core import LocatedRoadmap
+from taut.roadmap.grid import lattice
 from taut.roadmap.visibility import VisibilityGraph, visibility_graph
 
 # a square lattice has 16 directions when neighbours up to (2, 1) are joined; a little more reaches places off it too
@@ -25,45 +26,65 @@ _MOST_LATTICE_PLACES = 8000
 
 
 @dataclass(frozen=True, eq=False)
-class PlacesRoadmap(Roadmap):
-    """Corners of a free space, then places; all tangent edges, and short edges between places and corners.
+class SharedRoadmap(LocatedRoadmap):
+    """A roadmap for many robots that wait and let each other pass at its places, which are its last vertices.
 
     Parameters
     ----------
-    freespace : where it lies.
-    tangents : the tangent graph of its corners alone.
-    triangles : (n,) a triangle of the mesh that contains each vertex.
-    spacing : metres between lattice places.
+    spacing : metres between neighbouring places, about.
     places : nearest-neighbour index of the places alone.
     """
 
-    freespace: FreeSpace
-    tangents: VisibilityGraph
-    triangles: Ints
     spacing: float
     places: KDTree
 
     @property
-    def wedges(self) -> Ints:
-        """Number of each corner's wedge in the mesh, (c,); corners are the first c vertices."""
-        return self.tangents.wedges
+    def first_place(self) -> int:
+        """Number of the first vertex that is a place; all after it are."""
+        return len(self.positions) - int(self.places.n)
 
     @property
     def reach(self) -> float:
-        """Greatest length in metres of the edges that join places."""
+        """Greatest length in metres of edges that join a robot's own places with these."""
         return _REACH * self.spacing
+
+
+@dataclass(frozen=True, eq=False)
+class PlacesRoadmap(SharedRoadmap):
+    """Corners of a free space, then places; all tangent edges, and short edges between places and corners.
+
+    Parameters
+    ----------
+    tangents : the tangent graph of its corners alone.
+    """
+
+    tangents: VisibilityGraph
+
+
+def spacing_for(freespace: FreeSpace, separation: float) -> float:
+    """Metres between places for robots that keep their centres ``separation`` metres apart.
+
+    Two separations, or more where that would make more than 8,000 places.
+    """
+    return max(2.0 * separation, math.sqrt(freespace.area / _MOST_LATTICE_PLACES))
+
+
+def shared_roadmap(roadmap: LocatedRoadmap, separation: float) -> SharedRoadmap:
+    """Return a roadmap on which robots may wait at every vertex."""
+    spacing = spacing_for(roadmap.freespace, separation)
+    tree = KDTree(roadmap.positions)
+    return SharedRoadmap(roadmap.positions, roadmap.graph, roadmap.freespace, roadmap.triangles, spacing, tree)
 
 
 def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     """Build the roadmap for robots that must keep their centres ``separation`` metres apart.
 
-    Lattice places are two separations apart, or farther where that would make more than 8,000 of them; with an
-    infinite separation there are none.
+    With an infinite separation there are no places.
     """
     mesh = freespace.mesh
     tangents = visibility_graph(freespace)
     corners, wedges = tangents.positions, tangents.wedges
-    spacing = max(2.0 * separation, math.sqrt(freespace.area / _MOST_LATTICE_PLACES))
+    spacing = spacing_for(freespace, separation)
     places, triangles = np.empty((0, 2)), np.empty(0, dtype=np.int64)
     if math.isfinite(spacing) and len(mesh.triangles):
         places, triangles = _places(mesh, spacing)
@@ -77,18 +98,14 @@ def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     edges = np.concatenate(pairs)
     lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
     graph = Graph.from_edges(len(positions), edges[lengths > 0], lengths[lengths > 0])
-    return PlacesRoadmap(positions, graph, freespace, tangents, holders, spacing, KDTree(places))
+    return PlacesRoadmap(positions, graph, freespace, holders, spacing, KDTree(places), tangents)
 
 
 def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:
     """Lattice places, then middles of passages, middles of triangles and dead ends that no place nearby sees yet."""
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    columns, rows = (np.floor((high - low) / spacing).astype(np.int64) + 1).tolist()
-    first = (low + high) / 2 - spacing * (np.array([columns, rows]) - 1) / 2
-    x, y = np.meshgrid(first[0] + spacing * np.arange(columns), first[1] + spacing * np.arange(rows))
-    lattice = np.stack([x.ravel(), y.ravel()], axis=1)
-    triangles = mesh.locate(lattice)
-    places, triangles = lattice[triangles >= 0], triangles[triangles >= 0]
+    candidates = lattice(mesh, spacing).reshape(-1, 2)
+    triangles = mesh.locate(candidates)
+    places, triangles = candidates[triangles >= 0], triangles[triangles >= 0]
     # dead ends may lie close together, as each may be the one bay in which a robot can wait
     for candidates, near in (
         (_dead_ends(mesh), 0.3),

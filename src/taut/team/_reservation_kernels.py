@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import longer
 from taut.compiling import kernel
 from taut.team._conflict_kernels import edge_conflict, rest_conflict
 
@@ -15,29 +16,12 @@ Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Reserved: TypeAlias = tuple[Floats, Ints, Floats, Ints, Ints, Ints, Floats, Ints]
 
-#
 # Legs reserved by planned robots stand in every cell of a uniform grid that they come within `reach` of, so whoever
 # asks about a place looks into one cell only. In a cell they are sorted into spans of time, taken modulo the number of
 # spans, and one last span for rests for ever. The legs of a cell and span are a linked list: head[cell, span], then
 # following[entry].
 # ``reserved`` = (legs (k, 6): x0, y0, t0, x1, y1, t1; robot (k,); radius (k,); head; entry; following; frame; shape)
 # with frame = (x0, y0, side of a cell, seconds of a span) and shape = (columns, rows, spans).
-
-
-@kernel
-def longer_floats(a: Floats) -> Floats:
-    out = np.empty(2 * a.shape[0])
-    for i in range(a.shape[0]):
-        out[i] = a[i]
-    return out
-
-
-@kernel
-def longer_ints(a: Ints) -> Ints:
-    out = np.empty(2 * a.shape[0], dtype=np.int64)
-    for i in range(a.shape[0]):
-        out[i] = a[i]
-    return out
 
 
 @kernel
@@ -120,7 +104,7 @@ def enter_legs(
             row0, row1 = _rows(x0, y0, x1, y1, reach, col, frame, shape[1])
             needed = count + (row1 - row0 + 1) * shape[2]
             while needed > entry.shape[0]:
-                entry, following = longer_ints(entry), longer_ints(following)
+                entry, following = longer(entry), longer(following)
             for row in range(row0, row1 + 1):
                 cell = row * shape[0] + col
                 span0, spans = shape[2], 1
@@ -141,7 +125,7 @@ def enter_legs(
 @kernel
 def _append(lo: Floats, hi: Floats, count: int, a: float, b: float) -> tuple[Floats, Floats, int]:
     if count == lo.shape[0]:
-        lo, hi = longer_floats(lo), longer_floats(hi)
+        lo, hi = longer(lo), longer(hi)
     lo[count], hi[count] = a, b
     return lo, hi, count + 1
 

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.arrays import longer
 from taut.compiling import kernel
 from taut.heap import drop_first, push
 from taut.team._reservation_kernels import (
@@ -15,8 +16,6 @@ from taut.team._reservation_kernels import (
     earliest_departure,
     edge_conflicts,
     last_free,
-    longer_floats,
-    longer_ints,
     place_conflicts,
 )
 
@@ -168,9 +167,9 @@ def safe_interval_search(
                 )
                 mark += 1
                 while states + count + 1 > vertex.shape[0]:
-                    vertex, parent, done = longer_ints(vertex), longer_ints(parent), longer_ints(done)
-                    opens, closes = longer_floats(opens), longer_floats(closes)
-                    arrive, leave = longer_floats(arrive), longer_floats(leave)
+                    vertex, parent, done = longer(vertex), longer(parent), longer(done)
+                    opens, closes = longer(opens), longer(closes)
+                    arrive, leave = longer(arrive), longer(leave)
                 of_vertex[v] = states
                 free_from = 0.0
                 for i in range(count + 1):
@@ -202,7 +201,7 @@ def safe_interval_search(
                         continue
                     arrive[s], leave[s], parent[s] = max(delta + tau, opens[s]), delta, origin
                 if size == keys.shape[0]:
-                    keys, items = longer_floats(keys), longer_ints(items)
+                    keys, items = longer(keys), longer(items)
                 push(keys, items, size, arrive[s] + left, s)
                 size += 1
             continue
@@ -236,10 +235,10 @@ def safe_interval_search(
                 straight = np.sqrt((positions[v, 0] - gx) ** 2 + (positions[v, 1] - gy) ** 2)
                 left = distance[v] if settled[v] else straight
                 if ways == way_from.shape[0]:
-                    way_from, way_to, way_time = longer_ints(way_from), longer_ints(way_to), longer_floats(way_time)
+                    way_from, way_to, way_time = longer(way_from), longer(way_to), longer(way_time)
                 way_from[ways], way_to[ways], way_time[ways] = item, v, tau
                 if size == keys.shape[0]:
-                    keys, items = longer_floats(keys), longer_ints(items)
+                    keys, items = longer(keys), longer(items)
                 push(keys, items, size, ready + tau + left / speed, -1 - ways)
                 size += 1
                 ways += 1

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from taut.geometry.seeing import see_each_other
-from taut.roadmap import PlacesRoadmap
-from taut.route import Attached, Route
-from taut.scene import FloatArray
+from taut.roadmap import SharedRoadmap
+from taut.route import Route
+from taut.scene import FloatArray, Robot
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team._search_kernels import Adjacency
 
@@ -52,21 +52,26 @@ class OwnRoadmap:
 
 
 def own_roadmap(
-    shared: PlacesRoadmap, ends: Attached, number: int, routes: list[Route], around: Floats, distances: Floats
+    shared: SharedRoadmap,
+    robot: Robot,
+    joined: tuple[Ints, Ints],
+    routes: list[Route],
+    around: Floats,
+    distances: Floats,
 ) -> OwnRoadmap:
     """Extend the shared roadmap for the robot that has the given routes.
 
     Parameters
     ----------
-    ends, number : the attached starts and goals; this robot's are 2 · number and 2 · number + 1.
+    joined : shared vertices with which its start is joined in any case, and those of its goal.
     routes : ways from its start to its goal, the shortest first; it may rest anywhere along them, a spacing apart.
     around : (j, 2) places of others that it may have to go round.
     distances : (j,) metres that it keeps from each.
     """
     mesh = shared.freespace.mesh
     n = len(shared.positions)
-    start, goal = 2 * number, 2 * number + 1
-    points: list[FloatArray] = [ends.given[start : goal + 1]]
+    ends = np.array([robot.start, robot.goal])
+    points: list[FloatArray] = [ends]
     chains: list[list[int]] = []
     count = 2
     for route in routes:
@@ -82,13 +87,13 @@ def own_roadmap(
     triangles = np.concatenate([triangles, ring_triangles[free]])
 
     pairs = [np.array([(a + n, b + n) for chain in chains for a, b in pairwise(chain)])]
-    pairs += [np.stack([c, np.full_like(c, n + k)], axis=1) for k, c in enumerate(map(ends.corners_of, (start, goal)))]
+    pairs += [np.stack([vertices, np.full_like(vertices, n + k)], axis=1) for k, vertices in enumerate(joined)]
     pairs.append(_near(shared, xy, triangles))
     edges = np.sort(np.concatenate(pairs), axis=1)
     total = n + len(xy)
     keys = np.unique(edges[:, 0] * total + edges[:, 1])
     edges = np.stack([keys // total, keys % total], axis=1).astype(np.int64)
-    xy[:2] = ends.given[start : goal + 1]
+    xy[:2] = ends
     everything = np.concatenate([shared.positions, xy])
     lengths = np.hypot(*(everything[edges[:, 0]] - everything[edges[:, 1]]).T)
     at_start, at_goal = mesh.on_pinch(xy[:2]).tolist()
@@ -112,7 +117,7 @@ def _rings(centres: Floats, distances: Floats) -> Floats:
     return (centres[:, None] + distances[:, None, None] * unit).reshape(-1, 2)
 
 
-def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
+def _near(shared: SharedRoadmap, xy: Floats, triangles: Ints) -> Ints:
     """Pairs of own vertices with places nearby that they see, and with each other."""
     if not math.isfinite(shared.spacing):
         return np.empty((0, 2), dtype=np.int64)
@@ -122,7 +127,7 @@ def _near(shared: PlacesRoadmap, xy: Floats, triangles: Ints) -> Ints:
     away, place = (np.asarray(x) for x in nearest)
     # a bend where free space touches itself belongs to its route alone: other edges would let the robot through
     own, column = np.nonzero(np.isfinite(away) & ~mesh.on_pinch(xy)[:, None])
-    pairs = [np.stack([place[own, column] + len(shared.wedges), n + own], axis=1).astype(np.int64)]
+    pairs = [np.stack([place[own, column] + shared.first_place, n + own], axis=1).astype(np.int64)]
     each_other = KDTree(xy).query_pairs(_OWN_REACH * reach, output_type="ndarray").astype(np.int64)
     pairs.append(n + each_other[~mesh.on_pinch(xy)[each_other].any(axis=1)])
     candidates = np.concatenate(pairs)

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from taut.certificate import Certificate, certify
-from taut.errors import NoPlanFound, SceneError
+from taut.errors import SceneError
 from taut.graph import WEIGHTS, Weight
 from taut.motion import Plan
+from taut.route.ways import WAYS
 from taut.scene import Scene
 from taut.team.conflicts import conflicts_met, why_later
 from taut.team.mrppa import mrppa_stages
-from taut.team.prioritized import MOST_ROUNDS, Round, plan_rounds
+from taut.team.prioritized import MOST_ROUNDS, Round, no_plan_found, plan_rounds
 from taut.team.stages import SequenceStage, Stage
 from taut.team.world import World
 from taut.validation import validate
@@ -59,6 +60,7 @@ def plan(
     progress: Callable[[int, int], None] | None = None,
     weight: Weight | str | None = None,
     split: Sequence[str] | None = None,
+    roadmap: str = "visibility",
 ) -> Result:
     """Plan the team and certify the plan.
 
@@ -74,13 +76,16 @@ def plan(
     weight : with "mrppa": weight in λ2 of an edge, from its length; a name of `taut.graph.WEIGHTS` or a function of
         an array of metres. By default "one": a distance would reward the longest edge.
     split : with "mrppa": names of one side of the cut ("O1", "R1 start", "R2 goal") instead of the Fiedler vector's.
+    roadmap : on what the robots move, a name of `taut.route.WAYS`: "visibility" (tangents, and places to pass) or
+        another roadmap, or the routes that another way of planning gives them; all with their own places to wait at
+        along these routes and ways round others' starts and goals.
 
     Raises
     ------
     SceneError
         The scene cannot be planned as it is (see `taut.validation.validate`), or an option is unknown.
     NoPath
-        Obstacles separate a robot's start and goal.
+        Obstacles separate a robot's start and goal, or the roadmap does not join them.
     NoPlanFound
         No pass got all robots through; names the robots in the way, place and time.
     """
@@ -99,34 +104,51 @@ def plan(
     weigh = _weight(method, weight)
     if split is not None and method != "mrppa":
         raise SceneError('split belongs to the method "mrppa"')
+    if roadmap not in WAYS:
+        raise SceneError(f"roadmap {roadmap!r} is not one of {', '.join(WAYS)}")
+    if roadmap != "visibility" and method == "mrppa":
+        raise SceneError('the method "mrppa" works on the visibility graph; leave roadmap out')
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
-    world = World(scene)
-    shortest = np.array([route.length for route in world.routes])
-    first = _first_order(scene, shortest, order)
+    world = World(scene, roadmap, seed)
+    first = first_order(scene, world.shortest, order)
     graph_stages = mrppa_stages(scene, first, weigh, split) if method == "mrppa" else ()
     until = math.inf if seconds is None else began + seconds
     best, done = plan_rounds(world, first, np.random.default_rng(seed), most, until, progress)
     if best.failures:
-        raise _no_plan(scene, best, done)
-    found = [t for t in best.trajectories if t is not None]
-    speeds = np.array([r.speed for r in scene.robots])
+        raise no_plan_found(scene, best, done)
     planner = {
         "method": method,
+        "roadmap": roadmap,
         "order": [scene.robots[i].name for i in best.order],
         "seed": seed,
         "rounds": done,
         "seconds": round(time.monotonic() - began, 3),
     }
-    bound = {"model": "plane", "value": float((shortest / speeds).sum())}
-    draft = Plan(scene, tuple(found), planner, {}, bound)
-    certificate = certify(draft)
-    final = Plan(scene, draft.trajectories, planner, {}, bound, certificate.as_dict())
+    final, certificate = certified(world, best, planner)
     met = conflicts_met(world, best)
     names = [robot.name for robot in scene.robots]
     sequence = SequenceStage(final, tuple(names[i] for i in best.order), dict(zip(names, met, strict=True)))
-    return Result(final, certificate, notes, shortest, tuple(map(why_later, met)), (*graph_stages, sequence))
+    return Result(final, certificate, notes, world.shortest, tuple(map(why_later, met)), (*graph_stages, sequence))
+
+
+def certified(world: World, done: Round, planner: Mapping[str, object]) -> tuple[Plan, Certificate]:
+    """Return a round without failures as a plan that carries its certificate and bound, and the certificate."""
+    speeds = np.array([robot.speed for robot in world.scene.robots])
+    bound = {"model": "plane", "value": float((world.shortest / speeds).sum())}
+    found = tuple(motion for motion in done.trajectories if motion is not None)
+    certificate = certify(Plan(world.scene, found, planner, {}, bound))
+    return Plan(world.scene, found, planner, {}, bound, certificate.as_dict()), certificate
+
+
+def first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:
+    """Robots in the sequence in which the first round plans them; ``shortest`` (n,) are metres."""
+    seconds = shortest / np.array([r.speed for r in scene.robots])
+    if order == "given":
+        return list(range(len(seconds)))
+    ranked = np.argsort(seconds if order == "shortest" else -seconds, kind="stable")
+    return [int(i) for i in ranked]
 
 
 def _weight(method: str, weight: Weight | str | None) -> Weight:
@@ -137,32 +159,3 @@ def _weight(method: str, weight: Weight | str | None) -> Weight:
             raise SceneError(f"weight {weight!r} is not one of {', '.join(WEIGHTS)}")
         return WEIGHTS[weight]
     return WEIGHTS["one"] if weight is None else weight
-
-
-def _first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:
-    seconds = shortest / np.array([r.speed for r in scene.robots])
-    if order == "given":
-        return list(range(len(seconds)))
-    ranked = np.argsort(seconds if order == "shortest" else -seconds, kind="stable")
-    return [int(i) for i in ranked]
-
-
-def _no_plan(scene: Scene, best: Round, done: int) -> NoPlanFound:
-    failure = best.failures[0]
-    names = [scene.robots[j].name for j in failure.blockers]
-    x, y = failure.place
-    way = f"; in its way: {_listed(names)}" if names else ""
-    others = f" ({len(best.failures)} robots failed in the best round)" if len(best.failures) > 1 else ""
-    robot = scene.robots[failure.robot].name
-    return NoPlanFound(
-        f"no plan found in {done} round{'s' if done > 1 else ''}: robot {robot} gets no further than "
-        f"({x:.2f}, {y:.2f}) at t = {failure.time:.2f} s{way}{others}",
-        (robot, *names),
-        failure.time,
-        failure.place,
-    )
-
-
-def _listed(names: list[str], most: int = 5) -> str:
-    shown = ", ".join(names[:most])
-    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

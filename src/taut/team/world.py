@@ -9,30 +9,38 @@ import shapely
 
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace, without_discs
-from taut.roadmap import PlacesRoadmap, places_roadmap, visibility_graph
-from taut.route import Attached, Route, attach, routes_between, shortest_routes
+from taut.roadmap import SharedRoadmap, places_roadmap, polyline_roadmap, shared_roadmap, visibility_graph
+from taut.route import Route, attach, direct_lengths, routes_between, shortest_routes
+from taut.route.ways import WAYS
 from taut.scene import Scene
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
 
 
 class World:
-    """Free spaces and roadmaps, one per distinct growth, and each robot's shortest route.
+    """Free spaces and roadmaps, one per distinct growth, and each robot's route on its own.
+
+    Parameters
+    ----------
+    scene : the map and the team.
+    way : on what they move: a name of `taut.route.WAYS`. With "visibility" these are tangents and places to pass, and
+        routes are shortest; else only that roadmap, or that way's routes, and the robots' own additions.
+    seed : of roadmaps made at random.
 
     Raises
     ------
     StartBlocked, GoalBlocked, NoPath
-        A robot cannot stand at its start or goal, or obstacles separate them.
+        A robot cannot stand at its start or goal, or that way finds no route between them.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, way: str = "visibility", seed: int = 0) -> None:
         self.scene = scene
         robots = scene.robots
         self._growths = [scene.growth(robot) for robot in robots]
-        self._shared: dict[float, PlacesRoadmap] = {}
-        self._attached: dict[float, Attached] = {}
-        self._number = [0] * len(robots)
+        self._shared: dict[float, SharedRoadmap] = {}
+        self._joined: list[tuple[Ints, Ints]] = [(np.empty(0, dtype=np.int64),) * 2] * len(robots)
         routes: list[Route | None] = [None] * len(robots)
+        shortest: Floats = np.empty(len(robots))
         for growth in dict.fromkeys(self._growths):
             group = [i for i, g in enumerate(self._growths) if g == growth]
             freespace = FreeSpace(scene, growth)
@@ -40,12 +48,26 @@ class World:
                 freespace.require(robots[i])
             radius = max(robots[i].radius for i in group)
             separation = 2 * radius + scene.gap if len(robots) > 1 else math.inf
-            shared = places_roadmap(freespace, separation)
-            ends = attach(freespace, shared.tangents, [p for i in group for p in (robots[i].start, robots[i].goal)])
-            self._shared[growth], self._attached[growth] = shared, ends
-            for k, (i, route) in enumerate(zip(group, routes_between(freespace, shared.tangents, ends), strict=True)):
-                routes[i], self._number[i] = route, k
+            if way == "visibility":
+                places = places_roadmap(freespace, separation)
+                ends = attach(freespace, places.tangents, [p for i in group for p in (robots[i].start, robots[i].goal)])
+                found = routes_between(freespace, places.tangents, ends)
+                shortest[group] = [route.length for route in found]
+                self._shared[growth] = places
+                for k, i in enumerate(group):
+                    self._joined[i] = ends.corners_of(2 * k), ends.corners_of(2 * k + 1)
+            else:
+                prepared = WAYS[way](scene, growth, seed)
+                found = [prepared.ask(robots[i]).route for i in group]
+                starts, goals = ([getattr(robots[i], end) for i in group] for end in ("start", "goal"))
+                shortest[group] = direct_lengths(freespace, starts, goals)[0]
+                lines = [route.points for route in found]
+                roadmap = polyline_roadmap(freespace, lines) if prepared.roadmap is None else prepared.roadmap
+                self._shared[growth] = shared_roadmap(roadmap, separation)
+            for i, route in zip(group, found, strict=True):
+                routes[i] = route
         self.routes = [route for route in routes if route is not None]
+        self.shortest = shortest
         self._detours: list[Route | None] = [None] * len(robots)
         self._own: list[OwnRoadmap | None] = [None] * len(robots)
         self._ends: Floats = np.array([p for r in robots for p in (r.start, r.goal)], dtype=np.float64).reshape(-1, 2)
@@ -71,7 +93,7 @@ class World:
         size = 2 * max(r.radius for r in robots) + self.scene.gap
         return 4 * size / min(r.speed for r in robots)
 
-    def shared(self, i: int) -> PlacesRoadmap:
+    def shared(self, i: int) -> SharedRoadmap:
         """Return the roadmap that robot i shares with all of its growth."""
         return self._shared[self._growths[i]]
 
@@ -85,8 +107,8 @@ class World:
             growth = self._growths[i]
             known = own_roadmap(
                 self._shared[growth],
-                self._attached[growth],
-                self._number[i],
+                self.scene.robots[i],
+                self._joined[i],
                 routes,
                 self._ends[near],
                 self._keeps_from(i)[near],

@@ -1,0 +1,153 @@
+"""A plan for a map that has changed: whoever is not concerned keeps his motion, the others are planned anew."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from taut.certificate import Certificate, certify
+from taut.errors import SceneError
+from taut.motion import Plan, Trajectory
+from taut.route.ways import WAYS
+from taut.scene import Robot, Scene
+from taut.team.planning import certified, first_order
+from taut.team.prioritized import MOST_ROUNDS, Round, no_plan_found, plan_rounds
+from taut.team.world import World
+from taut.validation import validate
+
+# passes over the robots concerned before those in their way are planned anew with them
+_PATIENCE = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Replanned:
+    """What has become of a plan.
+
+    Parameters
+    ----------
+    plan : for the changed scene; it carries its certificate.
+    certificate : the proof.
+    kept : names of the robots whose motions are those of the older plan, bit for bit.
+    changed : the others by name, and why each could not keep its motion.
+    notes : what was found remarkable in the scene.
+    """
+
+    plan: Plan
+    certificate: Certificate
+    kept: tuple[str, ...]
+    changed: Mapping[str, str]
+    notes: tuple[str, ...]
+
+
+def replan(
+    plan: Plan, scene: Scene, seed: int = 0, rounds: int | None = None, seconds: float | None = None
+) -> Replanned:
+    """Keep of a plan what still holds in a changed scene and plan the other robots round that.
+
+    Robots that are new or not what they were, and those of whom `certify` proves that their motions do not hold any
+    more, are planned after the others, shortest way first. Where that fails, the robots in their way are planned anew
+    with them, in the end all. A robot that would have a shorter way now keeps its motion, too.
+
+    Parameters
+    ----------
+    plan : the older plan.
+    scene : the scene as it is now.
+    seed, rounds, seconds : as in `taut.plan`.
+
+    Raises
+    ------
+    SceneError, NoPath, NoPlanFound
+        As `taut.plan`.
+
+    >>> from dataclasses import replace
+    >>> from taut import Rectangle, Robot, Scene, plan
+    >>> hall = Scene((0, 0, 8, 8), robots=[Robot("R1", (1, 1), (7, 1)), Robot("R2", (1, 6), (7, 6))], gap=0.1)
+    >>> replan(plan(hall).plan, replace(hall, obstacles=(Rectangle(3, 0, 1, 2, name="crate"),))).kept
+    ('R2',)
+    """
+    began = time.monotonic()
+    notes = validate(scene)
+    if not scene.robots:
+        raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
+    most = MOST_ROUNDS if rounds is None else rounds
+    until = math.inf if seconds is None else began + seconds
+    known, reasons = _known(plan, scene)
+    reasons |= _broken(scene, known)
+    roadmap = str(plan.planner.get("roadmap"))
+    roadmap = roadmap if roadmap in WAYS else "visibility"
+    world = World(scene, roadmap, seed)
+    best, done = _planned(world, known, reasons, seed, most, until)
+    if best.failures:
+        raise no_plan_found(scene, best, done)
+    names = [robot.name for robot in scene.robots]
+    kept = tuple(name for name in names if name not in reasons)
+    planner = {
+        "method": "replanned",
+        "roadmap": roadmap,
+        "kept": list(kept),
+        "order": [names[i] for i in best.order],
+        "seed": seed,
+        "rounds": done,
+        "seconds": round(time.monotonic() - began, 3),
+    }
+    final, certificate = certified(world, best, planner)
+    return Replanned(final, certificate, kept, {name: reasons[name] for name in names if name in reasons}, notes)
+
+
+def _known(plan: Plan, scene: Scene) -> tuple[dict[str, Trajectory], dict[str, str]]:
+    """Motions of robots that are what they were, by name, and why the others are planned anew."""
+    before = {robot.name: (robot, motion) for robot, motion in zip(plan.scene.robots, plan.trajectories, strict=True)}
+    known, reasons = {}, {}
+    for robot in scene.robots:
+        if robot.name not in before:
+            reasons[robot.name] = f"{robot.name} is new"
+        elif (was := before[robot.name][0]) != robot or plan.scene.stays(was) != scene.stays(robot):
+            reasons[robot.name] = f"{robot.name} is not what it was: {_differing(was, robot)}"
+        else:
+            known[robot.name] = before[robot.name][1]
+    return known, reasons
+
+
+def _differing(was: Robot, robot: Robot) -> str:
+    fields = [name for name in vars(robot) if getattr(was, name) != getattr(robot, name)]
+    return ", ".join(fields) if fields else "at_goal"
+
+
+def _broken(scene: Scene, known: Mapping[str, Trajectory]) -> dict[str, str]:
+    """Robots whose motions do not hold in the scene, and what is wrong with them."""
+    robots = tuple(robot for robot in scene.robots if robot.name in known)
+    proof = certify(Plan(replace(scene, robots=robots), tuple(known[robot.name] for robot in robots)))
+    reasons: dict[str, str] = {}
+    for problem in proof.problems:
+        for name in problem.robots:
+            reasons.setdefault(name, str(problem))
+    return reasons
+
+
+def _planned(
+    world: World, known: Mapping[str, Trajectory], reasons: dict[str, str], seed: int, most: int, until: float
+) -> tuple[Round, int]:
+    """Plan the robots that ``reasons`` names round the others; it grows by those that have to make way."""
+    scene = world.scene
+    numbers = {robot.name: i for i, robot in enumerate(scene.robots)}
+    by_length = first_order(scene, world.shortest, "shortest")
+    rng = np.random.default_rng(seed)
+    done = 0
+    while True:
+        kept = {i: known[name] for name, i in numbers.items() if name not in reasons}
+        order = [i for i in by_length if i not in kept]
+        few = min(_PATIENCE, most - done) if kept else most - done
+        best, passes = plan_rounds(world, order, rng, max(few, 1), until, kept=kept)
+        done += passes
+        if not best.failures or not kept or done >= most or time.monotonic() > until:
+            return best, done
+        blockers = {j: f.robot for f in best.failures for j in f.blockers if j in kept}
+        if not blockers:
+            failed = best.failures[0].robot
+            blockers = dict.fromkeys(kept, failed)
+        for j, i in blockers.items():
+            reasons[scene.robots[j].name] = f"{scene.robots[j].name} makes way for {scene.robots[i].name}"
