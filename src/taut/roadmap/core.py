@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from taut.freespace import FreeSpace
+from taut.geometry.seeing import see_each_other
 from taut.graph import Graph
 from taut.graph.core import Floats, Ints
 
@@ -45,3 +48,15 @@ class LocatedRoadmap(Roadmap):
 
     freespace: FreeSpace
     triangles: Ints
+
+
+def joined(freespace: FreeSpace, positions: Floats, triangles: Ints, pairs: Ints) -> LocatedRoadmap:
+    """Return the roadmap of (n, 2) places, held by ``triangles`` (n,), and those of (m, 2) pairs that see each other.
+
+    A pair may be given once only, in either direction. Places that coincide are not joined with each other.
+    """
+    seen = see_each_other(freespace.mesh, positions, triangles, pairs[:, 0].copy(), pairs[:, 1].copy())
+    edges = pairs[seen]
+    lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
+    graph = Graph.from_edges(len(positions), edges[lengths > 0], lengths[lengths > 0])
+    return LocatedRoadmap(positions, graph, freespace, triangles)

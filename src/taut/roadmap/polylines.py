@@ -33,7 +33,7 @@ def polyline_roadmap(freespace: FreeSpace, lines: Iterable[ArrayLike]) -> Locate
     usable = (triangles >= 0) & ~freespace.mesh.on_pinch(xy)
     pairs = pairs[usable[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])]
     renumbered = np.cumsum(usable) - 1
-    edges = renumbered[pairs].astype(np.int64)
+    edges = np.unique(np.sort(renumbered[pairs], axis=1), axis=0).astype(np.int64)
     xy, triangles = xy[usable], triangles[usable]
     lengths = np.hypot(*(xy[edges[:, 0]] - xy[edges[:, 1]]).T)
     return LocatedRoadmap(xy, Graph.from_edges(len(xy), edges, lengths), freespace, triangles)

@@ -9,7 +9,14 @@ import shapely
 
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace, without_discs
-from taut.roadmap import SharedRoadmap, places_roadmap, polyline_roadmap, shared_roadmap, visibility_graph
+from taut.roadmap import (
+    LocatedRoadmap,
+    SharedRoadmap,
+    places_roadmap,
+    polyline_roadmap,
+    shared_roadmap,
+    visibility_graph,
+)
 from taut.route import Route, attach, direct_lengths, routes_between, shortest_routes
 from taut.route.ways import WAYS
 from taut.scene import Scene
@@ -61,8 +68,9 @@ class World:
                 found = [prepared.ask(robots[i]).route for i in group]
                 starts, goals = ([getattr(robots[i], end) for i in group] for end in ("start", "goal"))
                 shortest[group] = direct_lengths(freespace, starts, goals)[0]
-                lines = [route.points for route in found]
-                roadmap = polyline_roadmap(freespace, lines) if prepared.roadmap is None else prepared.roadmap
+                roadmap = prepared.roadmap
+                if not isinstance(roadmap, LocatedRoadmap):
+                    roadmap = polyline_roadmap(freespace, [route.points for route in found])
                 self._shared[growth] = shared_roadmap(roadmap, separation)
             for i, route in zip(group, found, strict=True):
                 routes[i] = route
