@@ -67,7 +67,7 @@ def check(roadmap: VoronoiRoadmap) -> None:
     points = shapely.points(roadmap.positions)
     assert np.abs(shapely.distance(points, boundary) - roadmap.vertex_clearances).max(initial=0.0) <= tol
     assert (roadmap.lengths > 0).all()
-    assert 0.0 <= roadmap.error <= roadmap.spacing
+    assert roadmap.error >= 0.0
 
 
 def check_connected(roadmap: VoronoiRoadmap) -> None:
@@ -97,6 +97,7 @@ def test_every_awkward_scene_has_a_roadmap_of_allowed_edges_with_exact_clearance
         roadmap = voronoi_roadmap(space)
         check(roadmap)
         check_connected(roadmap)
+        assert roadmap.error <= 0.1 * roadmap.spacing
 
 
 @pytest.mark.parametrize("entry", ZOO, ids=str)
@@ -169,6 +170,16 @@ def test_the_room_between_two_corners_a_corner_and_a_wall_and_two_walls_is_found
     routes = widest_routes(roadmap, *zip(*ends, strict=True))
     exact = [np.hypot(0.25, 4) / 2, 0.5, 0.7]
     assert [route.clearance for route in routes] == pytest.approx(exact, abs=1e-12)
+
+
+def test_a_side_of_less_than_a_rounding_does_not_keep_its_neighbours_from_being_sampled() -> None:
+    walls: list[Obstacle] = [
+        Polygon([(2.0597, 0.1329), (2.069, 2.0048), (-0.154, 2.2164), (-3, 1), (-1, -1), (0.0270, -0.3585)]),
+        Polygon([(4, 0.01), (3.9788, 0.1142), (3.5297, 6e-17), (3.7856, -0.4), (5, -2)]),
+    ]
+    roadmap = voronoi_roadmap(FreeSpace(Scene((0, 0, 8, 8), walls)))
+    check(roadmap)
+    assert roadmap.error <= 0.1 * roadmap.spacing
 
 
 def test_a_room_without_obstacles_has_its_own_axis() -> None:

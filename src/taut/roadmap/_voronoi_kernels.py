@@ -119,7 +119,7 @@ def refined(
     Too long is: over ``spacing``; or over ``least`` and either seen at more than a right angle by the third corner of
     the triangle at it (then no circle about such a triangle is centred beyond the boundary), or longer than
     ``fineness`` times the radius of that circle or, at a corner, than ``spacing`` / 4 or 1.5 times the piece on its
-    other side. Where space is thinner than ``thinnest`` nothing is.
+    other side. Not cut is where another side of the triangle is within ``thinnest`` of the cut.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def refined(
             sine = cross / np.sqrt(cross * cross + dot * dot)
             uneven = length > min(1.5 * shortest, spacing / 4.0) if outer > 1 else 2.0 * sine > fineness
             long = length > least and (dot < 0.0 or uneven)
-            if not (length > spacing or long) or cross <= thinnest * length:
+            if not (length > spacing or long):
                 edges[e, 0], edges[e, 1] = a, b
                 e += 1
                 continue
@@ -175,7 +175,17 @@ def refined(
                     f = 1.0 - f
             elif c < corners and 0.25 <= foot <= 0.75:
                 f = foot
-            points[n, 0], points[n, 1] = ax + f * ex, ay + f * ey
+            x, y = ax + f * ex, ay + f * ey
+            gap = (x - cx) * (x - cx) + (y - cy) * (y - cy)
+            if nbr[t, (k + 1) % 3] < 0:
+                gap = min(gap, _apart(x, y, xy[b, 0], xy[b, 1], cx, cy))
+            if nbr[t, (k + 2) % 3] < 0:
+                gap = min(gap, _apart(x, y, cx, cy, ax, ay))
+            if gap <= thinnest * thinnest:
+                edges[e, 0], edges[e, 1] = a, b
+                e += 1
+                continue
+            points[n, 0], points[n, 1] = x, y
             sides[n] = side[a] if side[a] >= 0 else side[b]
             if sides[n] < 0:
                 for i in range(vertex_start[a], vertex_start[a + 1]):

@@ -131,7 +131,10 @@ def _sampled(mesh: Triangulation, spacing: float, tol: float) -> tuple[Triangula
     edges, more = _outline(mesh), len(mesh.triangles) > 0
     triangles, neighbours = np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64)
     while more:
-        triangles, neighbours = filled(xy, edges)
+        try:
+            triangles, neighbours = filled(xy, edges)
+        except ValueError:  # rounded samples crossed in a wedge thinner than a rounding: the last samples must do
+            break
         edges, points, sides = _voronoi_kernels.refined(xy, triangles, neighbours, side, narrow, *fixed)
         more = len(points) > 0
         xy, side = np.concatenate([xy, points]), np.concatenate([side, sides])

@@ -7,10 +7,26 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
 
+from taut.errors import NoPath
 from taut.freespace import FreeSpace
-from taut.roadmap import LocatedRoadmap, visibility_graph
+from taut.roadmap import (
+    Roadmap,
+    cells_roadmap,
+    grid_roadmap,
+    sampled_roadmap,
+    visibility_graph,
+    voronoi_roadmap,
+)
+from taut.route.along import routes_along
+from taut.route.central import central_path
 from taut.route.core import Route
+from taut.route.lazy import lazy_route
+from taut.route.obstacles import index_obstacles
+from taut.route.oca import oca_path
+from taut.route.potential import potential_path
 from taut.route.shortest import shortest_routes
+from taut.route.smoothing import smoothed
+from taut.route.widest import widest_routes
 from taut.scene import Robot, Scene
 
 
@@ -21,14 +37,23 @@ class Answer:
     Parameters
     ----------
     route : from the robot's start to its goal.
-    vertices, edges : of the graph that was searched.
     obstacles : how many obstacles were looked at.
+    count : counts the vertices and edges of the graph that was searched, or would be; 0 where there is none.
     """
 
     route: Route
-    vertices: int
-    edges: int
     obstacles: int
+    count: Callable[[], tuple[int, int]]
+
+    @property
+    def vertices(self) -> int:
+        """How many vertices, start and goal included, the graph has."""
+        return self.count()[0]
+
+    @property
+    def edges(self) -> int:
+        """How many edges it has."""
+        return self.count()[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,30 +62,121 @@ class Prepared:
 
     Parameters
     ----------
-    roadmap : the graph on which it finds routes; None where it makes a graph of its own for each robot, or none.
+    roadmap : the graph on which it finds routes; None where it makes one of its own for each robot, or none.
     ask : finds the route of a robot; raises StartBlocked, GoalBlocked or NoPath.
     """
 
-    roadmap: LocatedRoadmap | None
+    roadmap: Roadmap | None
     ask: Callable[[Robot], Answer]
 
 
 Way: TypeAlias = Callable[[Scene, float, int], Prepared]
-"""Scene, growth in metres and seed to what is prepared."""
+"""From a scene, the growth in metres of the robots that will ask, and a seed to what is prepared."""
 
 
 def _visibility(scene: Scene, growth: float, seed: int) -> Prepared:
     freespace = FreeSpace(scene, growth)
     graph = visibility_graph(freespace)
-    located = LocatedRoadmap(graph.positions, graph.graph, freespace, freespace.mesh.wedges[graph.wedges, 3])
+    return _on(scene, freespace, graph, lambda r: shortest_routes(freespace, graph, [r.start], [r.goal])[0])
+
+
+def _oca(scene: Scene, growth: float, seed: int) -> Prepared:
+    index = index_obstacles(scene)
+
+    def ask(robot: Robot) -> Answer:
+        route = oca_path(index, robot)
+        return Answer(route, len(route.used), lambda: _tangents(route.freespace, robot))
+
+    return Prepared(None, ask)
+
+
+def _ca(scene: Scene, growth: float, seed: int) -> Prepared:
+    def ask(robot: Robot) -> Answer:
+        route = central_path(scene, robot)
+        return Answer(route, len(route.crossed), lambda: (route.roadmap.graph.n, route.roadmap.graph.m))
+
+    return Prepared(None, ask)
+
+
+def _voronoi(scene: Scene, growth: float, seed: int) -> Prepared:
+    freespace = FreeSpace(scene, growth)
+    roadmap = voronoi_roadmap(freespace)
+    return _on(scene, freespace, roadmap, lambda r: widest_routes(roadmap, [r.start], [r.goal])[0])
+
+
+def _grid(scene: Scene, growth: float, seed: int) -> Prepared:
+    freespace = FreeSpace(scene, growth)
+    roadmap = grid_roadmap(freespace)
+    return _on(scene, freespace, roadmap, lambda r: smoothed(freespace, routes_along(roadmap, [r.start], [r.goal])[0]))
+
+
+def _prm(scene: Scene, growth: float, seed: int) -> Prepared:
+    freespace = FreeSpace(scene, growth)
+    roadmap = sampled_roadmap(freespace, seed=seed)
+    return _on(scene, freespace, roadmap, lambda r: routes_along(roadmap, [r.start], [r.goal])[0])
+
+
+def _lazy_prm(scene: Scene, growth: float, seed: int) -> Prepared:
+    freespace = FreeSpace(scene, growth)
+
+    def ask(robot: Robot) -> Answer:
+        route = lazy_route(freespace, robot.start, robot.goal, seed=seed)
+        return Answer(route, len(scene.obstacles), lambda: (len(route.positions) + 2, int(route.tested.sum())))
+
+    return Prepared(None, ask)
+
+
+def _cells(scene: Scene, growth: float, seed: int) -> Prepared:
+    freespace = FreeSpace(scene, growth)
+    roadmap = cells_roadmap(freespace)
+    return _on(scene, freespace, roadmap, lambda r: routes_along(roadmap, [r.start], [r.goal])[0])
+
+
+def _potential(scene: Scene, growth: float, seed: int) -> Prepared:
+    freespace = FreeSpace(scene, growth)
+
+    def ask(robot: Robot) -> Answer:
+        route = potential_path(freespace, robot.start, robot.goal)
+        if route.stuck_at is not None:
+            x, y = route.stuck_at
+            held = f", held by {' and '.join(route.held_by)}" if route.held_by else ""
+            raise NoPath(robot.name, f"stuck in a local minimum at ({x:.4g}, {y:.4g}){held}")
+        return Answer(route, len(scene.obstacles), lambda: (0, 0))
+
+    return Prepared(None, ask)
+
+
+def _tangents(freespace: FreeSpace, robot: Robot) -> tuple[int, int]:
+    """Vertices and edges of the tangent graph with start and goal."""
+    graph = visibility_graph(freespace, points=[robot.start, robot.goal]).graph
+    return graph.n, graph.m
+
+
+def _on(scene: Scene, freespace: FreeSpace, roadmap: Roadmap, find: Callable[[Robot], Route]) -> Prepared:
+    """Routes on one roadmap, to which start and goal are added."""
+    graph, obstacles = roadmap.graph, len(scene.obstacles)
 
     def ask(robot: Robot) -> Answer:
         freespace.require(robot)
-        route = shortest_routes(freespace, graph, [robot.start], [robot.goal])[0]
-        return Answer(route, graph.graph.n + 2, graph.graph.m, len(scene.obstacles))
+        try:
+            return Answer(find(robot), obstacles, lambda: (graph.n + 2, graph.m))
+        except NoPath as error:
+            raise NoPath(robot.name, error.reason) from None
 
-    return Prepared(located, ask)
+    return Prepared(roadmap, ask)
 
 
-WAYS: Mapping[str, Way] = MappingProxyType({"visibility": _visibility})
-"""By name."""
+WAYS: Mapping[str, Way] = MappingProxyType(
+    {
+        "visibility": _visibility,
+        "oca": _oca,
+        "ca": _ca,
+        "voronoi": _voronoi,
+        "grid": _grid,
+        "prm": _prm,
+        "lazy-prm": _lazy_prm,
+        "cells": _cells,
+        "potential": _potential,
+    }
+)
+"""By name; "visibility" and "oca" give shortest routes."""
