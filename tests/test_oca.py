@@ -409,9 +409,9 @@ def test_clearances_that_are_none_are_refused_by_the_robots_name(clearance: floa
 
 def test_bad_arguments_are_told_in_one_line() -> None:
     scene = Scene((0, 0, 8, 8), MIXED, [Robot("R1", (1, 3), (4, 3))])
-    with pytest.raises(SceneError, match="no such robot R2"):
+    with pytest.raises(SceneError, match="no robot R2"):
         oca_path(scene, "R2")
-    with pytest.raises(SceneError, match="no such robot R1"):
+    with pytest.raises(SceneError, match="robot R1 is not the one"):
         oca_path(scene, Robot("R1", (1, 3), (4, 4)))
     with pytest.raises(ValueError, match="b must be one point"):
         oca_between(scene, (1, 3), [(1, 1)])

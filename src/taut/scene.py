@@ -282,6 +282,23 @@ class Scene:
         vars(out)["tol"] = self.tol
         return out
 
+    def robot(self, robot: Robot | str) -> Robot:
+        """Return a robot of the scene by its name, or itself.
+
+        Raises
+        ------
+        SceneError
+            There is none of this name, or it is not this one.
+        """
+        name = robot.name if isinstance(robot, Robot) else robot
+        own = next((r for r in self.robots if r.name == name), None)
+        if own is None:
+            names = ", ".join(r.name for r in self.robots[:5]) + ", …" * (len(self.robots) > 5)
+            raise SceneError(f"the scene has no robot {name}; it has {names or 'none'}")
+        if isinstance(robot, Robot) and robot != own:
+            raise SceneError(f"robot {name} is not the one of that name in the scene")
+        return own
+
     def growth(self, robot: Robot) -> float:
         """Metres by which obstacles grow for this robot: its radius plus its clearance."""
         return robot.radius + (self.clearance if robot.clearance is None else robot.clearance)

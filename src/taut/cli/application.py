@@ -12,7 +12,7 @@ from typing import Annotated, Any, TextIO, cast
 
 import typer
 
-from taut.cli import INTERRUPTED, graph_command, plan_commands, replan_command, scene_commands
+from taut.cli import INTERRUPTED, compare_command, graph_command, plan_commands, replan_command, scene_commands
 from taut.cli.output import say_error
 from taut.errors import OutputError, TautError
 
@@ -32,6 +32,7 @@ app.command("verify")(plan_commands.verify)
 app.command("check")(scene_commands.check)
 app.command("show")(plan_commands.show)
 app.command("graph")(graph_command.graph)
+app.command("compare")(compare_command.compare)
 app.command("random")(scene_commands.random)
 app.command("scenes")(scene_commands.scenes)
 app.command("warmup")(scene_commands.warmup)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace
+from taut.geometry.points import points_of as points_of
 from taut.geometry.triangulation import Ints
 from taut.scene import FloatArray
 
@@ -44,22 +45,6 @@ def in_turn(starts: ArrayLike, goals: ArrayLike) -> FloatArray:
     both = np.empty((2 * len(a), 2))
     both[::2], both[1::2] = a, b
     return both
-
-
-def points_of(places: ArrayLike, what: str) -> FloatArray:
-    """The places as an array (k, 2).
-
-    Raises
-    ------
-    ValueError
-        They are of another shape.
-    """
-    xy = np.asarray(places, dtype=np.float64)
-    if xy.size == 0:
-        return np.empty((0, 2))
-    if xy.ndim > 2 or xy.shape[-1] != 2:
-        raise ValueError(f"{what} must be points (x, y) in an array (k, 2), got shape {xy.shape}")
-    return xy.reshape(-1, 2)
 
 
 def require_free(freespace: FreeSpace, given: FloatArray, triangles: Ints) -> None:

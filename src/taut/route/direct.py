@@ -15,7 +15,7 @@ from taut.chunks import over_chunks
 from taut.freespace import FreeSpace
 from taut.geometry.triangulation import Floats, Ints
 from taut.route import _direct_kernels
-from taut.route.core import Route, in_turn, require_found, require_free
+from taut.route.core import Route, in_turn, points_of, require_found, require_free
 
 _CHUNK = 256
 
@@ -52,7 +52,7 @@ def shortest_path(freespace: FreeSpace, a: ArrayLike, b: ArrayLike) -> DirectRou
     3.0
     """
     for place, name in ((a, "a"), (b, "b")):
-        if np.shape(place) != (2,):
+        if len(points_of(place, name)) != 1 or np.ndim(place) != 1:
             raise ValueError(f"{name} must be one point (x, y), got shape {np.shape(place)}")
     return direct_paths(freespace, a, b)[0]
 

@@ -73,11 +73,12 @@ def _moved(
     labelled = index.labelled
     if labelled is not None:
         before = changed.before
-        numbers = np.where(before >= 0, labelled.numbers[before], -1)
+        numbers = np.full(len(before), -1, dtype=np.int64)
+        numbers[before >= 0] = labelled.numbers[before[before >= 0]]
         labelled = replace(labelled, numbers=numbers, added=added, removed=removed)
     states = taut_states(changed.freespace, changed.tangents)
     return PathIndex(changed.freespace, changed.tangents, states, labelled)
 
 
 def _shape(index: PathIndex, obstacle: Obstacle) -> shapely.Polygon:
-    return grown(obstacle, index.freespace.growth, index.freespace.arc_error)
+    return grown(obstacle, index.freespace.growth, index.freespace.arc_error, tol=index.freespace.scene.tol)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ from taut.route.core import in_turn, points_of, require_found, require_free
 from taut.route.states import Attached, TautStates, attach, picked, search, states_of, taut_states
 
 _CHUNK = 256
+_NEAR = 4.0
+"""Tolerances from an obstacle within which a path is looked for again; it selects work and changes no result."""
 
 Bools = NDArray[np.bool_]
 
@@ -88,8 +91,10 @@ class Paths:
 
     def __getitem__(self, k: int) -> Floats:
         """Return the points of path k, (j, 2)."""
+        if not isinstance(k, Integral):
+            raise TypeError(f"paths are taken one by one, by their number; got {k!r}")
         if not -len(self) <= k < len(self):
-            raise IndexError(f"path {k} of {len(self)}")
+            raise IndexError(f"there is no path {k}: there are {len(self)}, counted from 0")
         k %= len(self)
         return self.points[self.start[k] : self.start[k + 1]]
 
@@ -189,15 +194,15 @@ def distances_from(index: PathIndex, a: ArrayLike, points: ArrayLike) -> Floats:
         raise StartBlocked(f"start ({source[0, 0]:g}, {source[0, 1]:g}) is not in free space")
     states = index.states
     _, near = states_of(ends, np.zeros(1, dtype=np.int64), 1)
-    offsets = np.hypot(*(states.positions[near] - ends.points[0]).T)
+    offsets = np.hypot(*(states.positions[near] - ends.given[0]).T)
     known, _ = _kernels.dijkstra(states.indptr, states.heads, states.lengths, near, offsets)
     out = np.full(len(places), np.inf)
     first, there = states_of(ends, np.arange(1, len(places) + 1), -1)
     row = np.repeat(np.arange(len(places)), np.diff(first))
-    np.minimum.at(out, row, known[there] + np.hypot(*(states.positions[there] - ends.points[1 + row]).T))
+    np.minimum.at(out, row, known[there] + np.hypot(*(states.positions[there] - ends.given[1 + row]).T))
     free = np.flatnonzero(ends.triangles[1:] >= 0)
     seen = free[see_each_other(index.freespace.mesh, ends.points, ends.triangles, np.zeros_like(free), free + 1)]
-    out[seen] = np.hypot(*(ends.points[1 + seen] - ends.points[0]).T)
+    out[seen] = np.hypot(*(ends.given[1 + seen] - ends.given[0]).T)
     return out
 
 
@@ -233,15 +238,15 @@ def _by_labels(index: PathIndex, labelled: Labelled, ends: Attached) -> tuple[Fl
     """
     starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
     direct = see_each_other(index.freespace.mesh, ends.points, ends.triangles, starts, starts + 1)
-    lengths = np.hypot(*(ends.points[1::2] - ends.points[::2]).T)
+    lengths = np.hypot(*(ends.given[1::2] - ends.given[::2]).T)
     numbers = labelled.numbers[ends.corners]
     place = np.repeat(np.arange(len(ends.points)), np.diff(ends.first))
     strange = np.zeros(len(ends.points), dtype=np.bool_)
     strange[place[numbers < 0]] = True
     sure = direct | ~(strange[::2] | strange[1::2])
     far = starts[sure & ~direct]
-    offsets = np.hypot(*(index.tangents.positions[ends.corners] - ends.points[place]).T)
-    joined = labelled.positions, ends.points, ends.first, np.maximum(numbers, 0), offsets
+    offsets = np.hypot(*(index.tangents.positions[ends.corners] - ends.given[place]).T)
+    joined = labelled.positions, ends.given, ends.first, np.maximum(numbers, 0), offsets
 
     def chunk(first: int, last: int) -> tuple[Floats, Ints]:
         return label_distances_between(labelled.labels, *joined, far[first:last], far[first:last] + 1)
@@ -255,7 +260,7 @@ def _by_labels(index: PathIndex, labelled: Labelled, ends: Attached) -> tuple[Fl
     steps, path = label_paths(labelled.labels, passed[through, 0], passed[through, 1])
     counts = np.zeros(len(starts), dtype=np.int64)
     counts[through] = np.diff(steps)
-    _doubt_what_changed(labelled, ends, lengths, counts, path, sure)
+    _doubt_what_changed(labelled, ends, _NEAR * index.freespace.scene.tol, lengths, counts, path, sure)
     current = np.full(labelled.labels.n, -1, dtype=np.int64)
     known = np.flatnonzero(labelled.numbers >= 0)
     current[labelled.numbers[known]] = known
@@ -266,9 +271,12 @@ def _by_labels(index: PathIndex, labelled: Labelled, ends: Attached) -> tuple[Fl
 
 
 def _doubt_what_changed(
-    labelled: Labelled, ends: Attached, lengths: Floats, counts: Ints, path: Ints, sure: Bools
+    labelled: Labelled, ends: Attached, margin: float, lengths: Floats, counts: Ints, path: Ints, sure: Bools
 ) -> None:
-    """Mark paths as not sure that an obstacle added may block, or an obstacle removed may shorten."""
+    """Mark paths as not sure that an obstacle added may block, or an obstacle removed may shorten.
+
+    Within ``margin`` metres of a path an obstacle may close a passage without touching the path.
+    """
     if labelled.added:
         row = np.repeat(np.arange(len(lengths)), counts + 2)
         points = np.empty((len(row), 2))
@@ -278,7 +286,7 @@ def _doubt_what_changed(
         lines = shapely.linestrings(points, indices=row)
         for shape in labelled.added.values():
             shapely.prepare(shape)
-            sure &= ~shapely.intersects(shape, lines) | (counts == 0)
+            sure &= ~shapely.dwithin(shape, lines, margin) | (counts == 0)
     for shape in labelled.removed.values():
         away = shapely.distance(shape, shapely.points(ends.points)).reshape(-1, 2).sum(axis=1)
-        sure &= (lengths <= away) | (counts == 0) & np.isfinite(lengths)
+        sure &= (lengths <= away - 2 * margin) | (counts == 0) & np.isfinite(lengths)

@@ -63,6 +63,11 @@ def index_obstacles(scene: Scene) -> ObstacleIndex:
     return ObstacleIndex(scene, cores, own_radius, shapely.STRtree(shapely.box(*boxes.T)))
 
 
+def indexed(world: Scene | ObstacleIndex) -> ObstacleIndex:
+    """Return the index of a scene, or the index itself."""
+    return world if isinstance(world, ObstacleIndex) else index_obstacles(world)
+
+
 def obstacles_near(index: ObstacleIndex, points: ArrayLike, growth: float = 0.0, arc_error: float = 1e-3) -> Ints:
     """Numbers of the obstacles, ascending, that touch a polyline once they are grown.
 

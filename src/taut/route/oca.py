@@ -20,7 +20,7 @@ from taut.freespace import FreeSpace
 from taut.geometry.triangulation import Floats, Ints
 from taut.route.core import Route
 from taut.route.direct import shortest_path
-from taut.route.obstacles import ObstacleIndex, index_obstacles, obstacles_beside, obstacles_near
+from taut.route.obstacles import ObstacleIndex, indexed, obstacles_beside, obstacles_near
 from taut.route.passage import Passage, widest_passage
 from taut.scene import FloatArray, Robot, Scene
 
@@ -117,8 +117,8 @@ def oca_path(
     >>> oca_path(scene, "R1").length, oca_path(scene, "R1").used
     (6.0, ('O1',))
     """
-    index = _indexed(world)
-    own = _robot(index.scene, robot)
+    index = indexed(world)
+    own = index.scene.robot(robot)
     return _solved(index, *_with_clearance(index.scene, own, clearance), arc_error)
 
 
@@ -138,8 +138,8 @@ def oca_path_or_widest(
     >>> route.wanted, round(route.clearance, 2)
     (0.6, 0.5)
     """
-    index = _indexed(world)
-    own = _robot(index.scene, robot)
+    index = indexed(world)
+    own = index.scene.robot(robot)
     scene, wanting = _with_clearance(index.scene, own, clearance)
     try:
         return _solved(index, scene, wanting, arc_error)
@@ -157,7 +157,7 @@ def oca_between(
     >>> oca_between(Scene((0, 0, 4, 3)), (0, 0), (3, 0)).length
     3.0
     """
-    index = _indexed(world)
+    index = indexed(world)
     for place, name in ((a, "a"), (b, "b")):
         if np.shape(place) != (2,) or not np.isfinite(place).all():
             raise ValueError(f"{name} must be one point (x, y) of finite numbers, got {place!r}")
@@ -168,18 +168,6 @@ def oca_between(
         return _search(index, index.scene, ends, growth, arc_error)
     except (StartBlocked, GoalBlocked) as error:
         raise _blocked(index, type(error), ends, growth, "", f"{growth:g} m") from None
-
-
-def _indexed(world: Scene | ObstacleIndex) -> ObstacleIndex:
-    return world if isinstance(world, ObstacleIndex) else index_obstacles(world)
-
-
-def _robot(scene: Scene, robot: str | Robot) -> Robot:
-    name = robot.name if isinstance(robot, Robot) else robot
-    own = next((r for r in scene.robots if r.name == name), None)
-    if own is None or (isinstance(robot, Robot) and robot != own):
-        raise SceneError(f"there is no such robot {name} in the scene; name one of its robots")
-    return own
 
 
 def _clearance(scene: Scene, robot: Robot) -> float:
@@ -306,7 +294,7 @@ def _blocked(
     short = f"{where} is only {room:.6g} m from {names[order[0]]}{others} but needs {needed}"
     if radius is None:
         return error(f"{short}; move it")
-    if room < radius:
+    if room - radius <= index.scene.tol:
         return error(f"{short}; move it, no clearance would fit")
     fits = _rounded_down(room - radius + index.scene.tol / 2)
     return error(f"{short}; move it or keep a clearance of at most {fits:g} m")

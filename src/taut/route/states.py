@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from taut.chunks import over_chunks
 from taut.freespace import FreeSpace
 from taut.geometry import _seeing_kernels
+from taut.geometry.points import points_of
 from taut.geometry.seeing import see_each_other, see_from
 from taut.geometry.triangulation import Floats, Ints, Triangulation
 from taut.graph import _kernels
@@ -87,7 +88,7 @@ def taut_states(freespace: FreeSpace, tangents: VisibilityGraph) -> TautStates:
 def attach(freespace: FreeSpace, tangents: VisibilityGraph, points: ArrayLike) -> Attached:
     """Join (k, 2) places with the tangent graph; a place that is not free has triangle −1 and joins nothing."""
     mesh = freespace.mesh
-    given = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    given = points_of(points)
     xy, triangles = freespace.anchor(given)
     free = np.flatnonzero(triangles >= 0)
     first, seen = see_from(mesh, xy[free], triangles[free], mesh.wedge_turns >= 0, taut=True)
@@ -113,7 +114,7 @@ def picked(ends: Attached, pairs: Ints) -> Attached:
 def search(mesh: Triangulation, states: TautStates, ends: Attached) -> tuple[Floats, Ints, Ints]:
     """Lengths between places 0 and 1, 2 and 3, … (inf without a path) and the corners passed as CSR (start, corner).
 
-    The places must be free.
+    The places must be free; lengths are measured from where they were given.
     """
     starts = np.arange(0, len(ends.given), 2, dtype=np.int64)
     direct = see_each_other(mesh, ends.points, ends.triangles, starts, starts + 1)
@@ -124,10 +125,10 @@ def search(mesh: Triangulation, states: TautStates, ends: Attached) -> tuple[Flo
         own = far[first:last]
         # seen from the goal, what lies on the left of the way to it lies on the right
         away, there = states_of(ends, own, 1), states_of(ends, own + 1, -1)
-        return _kernels.astar(*arrays, ends.points[own], *away, ends.points[own + 1], *there)
+        return _kernels.astar(*arrays, ends.given[own], *away, ends.given[own + 1], *there)
 
     found = over_chunks(chunk, len(far), _CHUNK)
-    lengths = np.hypot(*(ends.points[1::2] - ends.points[::2]).T)
+    lengths = np.hypot(*(ends.given[1::2] - ends.given[::2]).T)
     counts = np.zeros(len(starts), dtype=np.int64)
     path = np.empty(0, dtype=np.int64)
     if found:

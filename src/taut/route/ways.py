@@ -91,8 +91,10 @@ def _oca(scene: Scene, growth: float, seed: int) -> Prepared:
 
 
 def _ca(scene: Scene, growth: float, seed: int) -> Prepared:
+    index = index_obstacles(scene)
+
     def ask(robot: Robot) -> Answer:
-        route = central_path(scene, robot)
+        route = central_path(index, robot)
         return Answer(route, len(route.crossed), lambda: (route.roadmap.graph.n, route.roadmap.graph.m))
 
     return Prepared(None, ask)

@@ -14,7 +14,7 @@ from taut.certificate import Certificate, certify
 from taut.errors import SceneError
 from taut.graph import WEIGHTS, Weight
 from taut.motion import Plan
-from taut.route.ways import WAYS
+from taut.route import WAYS
 from taut.scene import Scene
 from taut.team.conflicts import conflicts_met, why_later
 from taut.team.mrppa import mrppa_stages

@@ -12,7 +12,7 @@ import numpy as np
 from taut.certificate import Certificate, certify
 from taut.errors import SceneError
 from taut.motion import Plan, Trajectory
-from taut.route.ways import WAYS
+from taut.route import WAYS
 from taut.scene import Robot, Scene
 from taut.team.planning import certified, first_order
 from taut.team.prioritized import MOST_ROUNDS, Round, no_plan_found, plan_rounds

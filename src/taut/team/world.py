@@ -17,8 +17,7 @@ from taut.roadmap import (
     shared_roadmap,
     visibility_graph,
 )
-from taut.route import Route, attach, direct_lengths, routes_between, shortest_routes
-from taut.route.ways import WAYS
+from taut.route import WAYS, Route, attach, direct_lengths, routes_between, shortest_routes
 from taut.scene import Scene
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
