@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from numbers import Real
 
 import numpy as np
 import shapely
@@ -12,8 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from taut.errors import GoalBlocked, NoPath, SceneError, StartBlocked
 from taut.geometry.growth import free_region
 from taut.geometry.overlay import remainder
-from taut.geometry.triangulation import Floats, Ints, Triangulation, triangulate
+from taut.geometry.points import points_of
+from taut.geometry.triangulation import Floats, Ints, Triangulation, meshed
 from taut.scene import Robot, Scene
+from taut.validation import check_numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +34,7 @@ class FreeSpace:
     Raises
     ------
     SceneError
-        ``growth`` is negative or ``arc_error`` not between 0 and 1.
+        ``growth`` is negative, ``arc_error`` not between 0 and 1, or a number of the scene beyond 1e±70.
 
     >>> from taut.scene import Scene
     >>> FreeSpace(Scene((0, 0, 4, 3)), growth=0.5).area
@@ -45,12 +48,16 @@ class FreeSpace:
     mesh: Triangulation = field(init=False)
 
     def __post_init__(self) -> None:
-        if not (self.growth >= 0 and np.isfinite(self.growth)):
-            raise SceneError(f"growth must be a number ≥ 0, got {self.growth!r}")
-        if not 0 < self.arc_error < 1:
+        if not isinstance(self.scene, Scene):
+            raise SceneError(f"a free space is made from a Scene, got {self.scene!r}")
+        check_numbers(self.scene)
+        if not (isinstance(self.growth, Real) and (self.growth == 0 or 1e-70 < self.growth < 1e70)):
+            raise SceneError(f"growth must be a number of metres, 0 or between 1e-70 and 1e70, got {self.growth!r}")
+        if not (isinstance(self.arc_error, Real) and 0 < self.arc_error < 1):
             raise SceneError(f"arc_error must lie between 0 and 1, got {self.arc_error!r}")
-        region = free_region(self.scene, self.growth, self.arc_error, keep=self.kept)
-        vars(self).update(region=region, mesh=triangulate(region, self.scene.tol))
+        found = free_region(self.scene, self.growth, self.arc_error, keep=self.kept)
+        region, mesh = meshed(found, self.scene.tol)
+        vars(self).update(region=region, mesh=mesh)
 
     @classmethod
     def of(cls, scene: Scene, robot: Robot, arc_error: float = 1e-3) -> FreeSpace:
@@ -90,7 +97,7 @@ class FreeSpace:
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether each of (k, 2) points lies in the free space, boundary included: (k,)."""
-        return self.mesh.locate(np.asarray(points, dtype=np.float64).reshape(-1, 2)) >= 0
+        return self.mesh.locate(points_of(points)) >= 0
 
     def anchor(self, points: ArrayLike) -> tuple[Floats, Ints]:
         """The points themselves, or the nearest of the free space where they miss it by at most tol; their triangles.
@@ -98,7 +105,7 @@ class FreeSpace:
         Coordinates of grown obstacles are rounded, so a disc that touches one may stick out by an ulp. Triangle −1
         means that the point is not free.
         """
-        xy = np.array(points, dtype=np.float64).reshape(-1, 2)
+        xy = points_of(points).copy()
         triangle = self.mesh.locate(xy)
         for i in (triangle < 0).nonzero()[0]:
             moved = self._nearest_inside(xy[i])
@@ -179,5 +186,5 @@ def without_discs(freespace: FreeSpace, centres: Floats, radii: Floats) -> FreeS
     region = remainder(freespace.region, discs, freespace.scene.tol) if len(discs) else freespace.region
     parts = shapely.get_parts(region)
     region = shapely.multipolygons(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON])
-    mesh = triangulate(region, freespace.scene.tol)
+    region, mesh = meshed(region, freespace.scene.tol)
     return FreeSpace.with_mesh(freespace.scene, freespace.growth, freespace.arc_error, region, mesh)

@@ -13,12 +13,14 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from taut.errors import GoalBlocked, SceneError, StartBlocked
-from taut.scene import Circle, FloatArray, Line, Obstacle, Robot, Scene
+from taut.scene import Circle, FloatArray, Line, Obstacle, Rectangle, Robot, Scene
 
 IntArray = NDArray[np.int64]
 
 # products of four coordinates must neither overflow nor vanish in the exact predicates
 _LARGEST = 1e70
+_BOUNDS = f"beyond {_LARGEST:g} and below {1 / _LARGEST:g} nothing can be computed, use other units"
+_SIZES: dict[type, tuple[str, ...]] = {Circle: ("radius",), Line: ("width",), Rectangle: ("width", "height")}
 _NAMED = 5
 # so many of the largest obstacles that might hold another are tried; more matters only in heaps of thousands
 _HOLDERS = 16
@@ -57,15 +59,33 @@ def check_form(scene: Scene) -> None:
     SceneError
         Numbers too large or too small, a ring that is none, two point robots without gap.
     """
-    tol = scene.tol
-    if not 1 / _LARGEST < 2.0**40 * tol < _LARGEST and tol > 0:
-        message = (
-            f"largest coordinate is {2.0**40 * tol:.3g} m; beyond {_LARGEST:g} and below {1 / _LARGEST:g} nothing can"
-        )
-        raise SceneError(f"the scene's {message} be computed; use other units")
-    _check_numbers(scene)
+    check_numbers(scene)
     _check_rings(scene)
     _check_point_robots(scene)
+
+
+def check_numbers(scene: Scene) -> None:
+    """Refuse numbers with which the formulas would overflow or vanish; zero is none of them.
+
+    Raises
+    ------
+    SceneError
+        The largest coordinate, or a size, is beyond 1e±70.
+    """
+    largest = 2.0**40 * scene.tol
+    if not 1 / _LARGEST < largest < _LARGEST:
+        raise SceneError(f"the scene's largest coordinate is {largest:.3g} m; {_BOUNDS}")
+    numbers: list[tuple[Scene | Robot | Obstacle, str]] = [(scene, what) for what in ("clearance", "gap", "headway")]
+    for robot in scene.robots:
+        numbers += [(robot, what) for what in ("radius", "speed", "start_time", "clearance")]
+    for obstacle in scene.obstacles:
+        numbers += [(obstacle, what) for what in _SIZES.get(type(obstacle), ())]
+    for thing, what in numbers:
+        value = getattr(thing, what)
+        if value and not 1 / _LARGEST < value < _LARGEST:
+            kind = "robot" if isinstance(thing, Robot) else "obstacle"
+            who = "the scene" if isinstance(thing, Scene) else f"{kind} {_name(thing)}"
+            raise SceneError(f"{who}: {what} is {value:.3g}; {_BOUNDS}")
 
 
 def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
@@ -83,24 +103,6 @@ def _validated(scene: Scene, tol: float) -> tuple[str, ...]:
     _check_pairs(scene, starts, np.flatnonzero(present), "start", tol)
     _check_pairs(scene, goals, np.flatnonzero(stays), "goal", tol)
     return _notes(scene, ground, tol)
-
-
-def _check_numbers(scene: Scene) -> None:
-    """Refuse numbers with which the formulas would overflow or vanish; zero is none of them."""
-    numbers = [("the scene", what, getattr(scene, what)) for what in ("clearance", "gap", "headway")]
-    for robot in scene.robots:
-        who = f"robot {_name(robot)}"
-        numbers += [(who, what, getattr(robot, what)) for what in ("radius", "speed", "start_time", "clearance")]
-    for obstacle in scene.obstacles:
-        who = f"obstacle {_name(obstacle)}"
-        if isinstance(obstacle, Circle):
-            numbers.append((who, "radius", obstacle.radius))
-        elif isinstance(obstacle, Line):
-            numbers.append((who, "width", obstacle.width))
-    for who, what, value in numbers:
-        if value and not 1 / _LARGEST < value < _LARGEST:
-            bounds = f"beyond {_LARGEST:g} and below {1 / _LARGEST:g}"
-            raise SceneError(f"{who}: {what} is {value:.3g}; {bounds} nothing can be computed, use other units")
 
 
 @dataclass(frozen=True)

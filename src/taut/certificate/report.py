@@ -45,8 +45,10 @@ class Problem:
                 what = f"{who} comes {by} nearer to {self.obstacle} than allowed"
             case "crossing" if self.amount > 0:
                 what = f"{who} passes {by} deep through {self.obstacle}"
-            case "crossing":
+            case "crossing" if self.obstacle is not None and " and " in self.obstacle:
                 what = f"{who} squeezes through where {self.obstacle} leave no room"
+            case "crossing":
+                what = f"{who} passes through {self.obstacle}"
             case "speed":
                 what = f"{who} moves {by} farther in one leg than its top speed allows"
             case "start":

@@ -314,7 +314,7 @@ def row_span(xy: Floats, tri: Ints, t: int, lo: float, hi: float) -> tuple[float
 @kernel
 def cell_of(x: float, x0: float, step: float, n: int) -> int:
     """Number of the column or row, of n that are ``step`` wide and begin at x0, that x lies in or is nearest to."""
-    return min(max(int((x - x0) / step), 0), n - 1)
+    return int(min(max((x - x0) / step, 0.0), n - 1.0))
 
 
 @kernel
@@ -383,7 +383,8 @@ def locate(xy: Floats, tri: Ints, frame: Floats, shape: Ints, start: Ints, items
     nx, ny = shape[0], shape[1]
     for i in range(points.shape[0]):
         x, y = points[i, 0], points[i, 1]
-        if not (np.isfinite(x) and np.isfinite(y)):
+        # far outside the frame the predicates below would overflow
+        if not (abs(x - frame[0]) <= (nx + 1) * frame[2] and abs(y - frame[1]) <= (ny + 1) * frame[2]):
             continue
         col, row = cell_of(x, frame[0], frame[2], nx), cell_of(y, frame[1], frame[2], ny)
         c = row * nx + col

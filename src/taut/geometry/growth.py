@@ -5,6 +5,8 @@ point. Every side of it moves out by the radius R; the arc round a corner become
 The moved outline winds round a point once more whenever it has passed over it, and never back. So when it does not
 cross itself it is the boundary wanted, also for a polygon that is not convex, and no polygons need to be united. Only
 outlines that do cross themselves (a courtyard closes, a bay fills up) are cut into one piece a side and one a corner.
+
+Lines and circles are never drawn thinner than the tolerance, so that no rounding can make a way through them.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from taut.errors import SceneError, TautError
-from taut.geometry.overlay import remainder, united
+from taut.geometry.overlay import FINE, remainder, united
 from taut.scene import FloatArray, Obstacle, Scene
 
 Corners: TypeAlias = Literal["round", "mitre"]
@@ -56,7 +58,8 @@ def free_region(
     Polygon or MultiPolygon
         The closure of the open set of points farther than `growth` from obstacles and the outside. Parts that touch
         in points only stay apart; a hole may touch its shell in a point. Without free space an empty MultiPolygon.
-        Where `growth` is 0 every corner of a polygon keeps its coordinates bit for bit.
+        Where `growth` is 0 every corner of a polygon keeps its coordinates bit for bit. Lines and circles keep their
+        distance or half the scene's tolerance, whichever is more.
 
     Raises
     ------
@@ -69,10 +72,11 @@ def free_region(
     >>> free_region(Scene((0, 0, 4, 4), [Rectangle(0, 1, 4, 2)]), 0.25).area
     3.5
     """
-    plan = _plan(growth, arc_error, corners, keep)
+    plan = _plan(growth, arc_error, corners, keep, scene.tol)
     room, walls = _shrunk(scene, plan)
-    taken = np.concatenate([walls, _pieces(scene.obstacles, plan)])
-    parts = shapely.get_parts(remainder(room, taken, scene.tol) if taken.size else room)
+    pieces, thin = _pieces(scene.obstacles, plan)
+    taken = np.concatenate([walls, pieces])
+    parts = shapely.get_parts(remainder(room, taken, scene.tol, thin) if taken.size else room)
     # what rounding leaves of a gap without width
     parts = parts[shapely.area(parts) > scene.tol / 2 * shapely.length(parts)]
     return parts[0] if parts.size == 1 else shapely.multipolygons(parts)
@@ -84,29 +88,33 @@ def grown(
     arc_error: float = 1e-3,
     corners: Corners = "round",
     keep: FloatArray | None = None,
+    tol: float | None = None,
 ) -> shapely.Polygon:
     """Return one obstacle grown by `growth` metres, as one polygon (with holes where it has courtyards).
 
-    Parameters and errors are those of `free_region`. A polygon grown by 0 keeps its coordinates bit for bit.
+    Parameters and errors are those of `free_region`; `tol` is the tolerance of its scene in metres, without it that of
+    the obstacle alone. A polygon grown by 0 keeps its coordinates bit for bit.
 
     >>> from taut.scene import Polygon
     >>> grown(Polygon([(0, 0), (2, 0), (2, 1), (0, 1)]), 0.5, corners="mitre").bounds
     (-0.5, -0.5, 2.5, 1.5)
     """
-    pieces = _pieces([obstacle], _plan(growth, arc_error, corners, keep))
+    if tol is None:
+        tol = 2.0**-40 * (float(np.abs(obstacle.core).max()) + obstacle.own_radius + growth)
+    pieces, thin = _pieces([obstacle], _plan(growth, arc_error, corners, keep, tol))
     if pieces.size == 1:
         return pieces[0]
-    tol = 2.0**-40 * (float(np.abs(obstacle.core).max()) + obstacle.own_radius + growth)
-    return shapely.get_geometry(united(pieces, tol), 0)
+    return shapely.get_geometry(united(pieces, tol, thin), 0)
 
 
 class _Plan(NamedTuple):
-    """How to grow: metres, widest turns (radians) between tangents at round and at sharp corners, positions kept."""
+    """How to grow: metres, widest turns (radians) between tangents at round and sharp corners, positions kept, tol."""
 
     growth: float
     round_turn: float
     sharp_turn: float
     keep: FloatArray
+    tol: float
 
 
 class _Outlines(NamedTuple):
@@ -144,7 +152,7 @@ class _Caps(NamedTuple):
     last: IntArray
 
 
-def _plan(growth: float, arc_error: float, corners: Corners, keep: FloatArray | None) -> _Plan:
+def _plan(growth: float, arc_error: float, corners: Corners, keep: FloatArray | None, tol: float) -> _Plan:
     if not (math.isfinite(growth) and growth >= 0):
         raise TautError(f"growth must be a finite number of metres, at least 0; got {growth!r}")
     if not 1e-9 <= arc_error <= 1:
@@ -156,7 +164,7 @@ def _plan(growth: float, arc_error: float, corners: Corners, keep: FloatArray | 
         raise TautError(f"keep must be finite positions of shape (k, 2); got shape {positions.shape}")
     round_turn = _widest_turn(arc_error)
     sharp_turn = _widest_turn(_MITRE_ERROR) if corners == "mitre" else round_turn
-    return _Plan(growth, round_turn, sharp_turn, np.unique(positions, axis=0))
+    return _Plan(growth, round_turn, sharp_turn, np.unique(positions, axis=0), tol)
 
 
 def _widest_turn(error: float) -> float:
@@ -179,29 +187,34 @@ def _shrunk(scene: Scene, plan: _Plan) -> tuple[Any, Shapes]:
     return room, _sides_and_caps(lines, caps, np.ones(len(lines.at), dtype=np.bool_))
 
 
-def _pieces(obstacles: Sequence[Obstacle], plan: _Plan) -> Shapes:
-    """Return polygons whose union are the grown obstacles."""
+def _pieces(obstacles: Sequence[Obstacle], plan: _Plan) -> tuple[Shapes, Shapes]:
+    """Return polygons whose union are the grown obstacles, and those of them that may be thin (see `remainder`)."""
     solid = [o for o in obstacles if o.closed]
-    thin = [o for o in obstacles if not o.closed]
+    lean = [o for o in obstacles if not o.closed]
     filled = _filled([o.core for o in solid], [f"obstacle {o.name}" for o in solid])
     if plan.growth == 0.0:
         solid = []
     rings = [shapely.get_coordinates(p)[:-1] for p in shapely.orient_polygons(filled)] if solid else []
-    chains = [o.core for o in thin]
+    chains = [o.core for o in lean]
     rings += [np.concatenate([chain, chain[-2:0:-1]]) for chain in chains]
     if not rings:
-        return filled
-    radius = np.array([o.own_radius + plan.growth for o in (*solid, *thin)])
-    for k, chain in enumerate(chains, start=len(solid)):
-        # thinner than rounding, a wall would vanish
-        radius[k] = max(radius[k], 2.0**-46 * np.abs(chain).max())
-    widest = np.array([plan.sharp_turn] * len(solid) + [plan.round_turn] * len(thin))
+        return filled, filled
+    radius = np.array([o.own_radius + plan.growth for o in (*solid, *lean)])
+    radius[len(solid) :] = np.maximum(radius[len(solid) :], plan.tol / 2)
+    widest = np.array([plan.sharp_turn] * len(solid) + [plan.round_turn] * len(lean))
     lines = _outlines(rings, radius, widest)
     caps = _caps(lines, plan.keep)
     moved, simple = _moved(lines, caps)
     crossing = ~simple
     whole = filled if not solid else filled[crossing[: len(solid)]]
-    return np.concatenate([moved[simple], whole, _sides_and_caps(lines, caps, crossing[lines.ring])])
+    fine = radius < FINE * plan.tol
+    slim = [moved[simple & fine], _sides_and_caps(lines, caps, (crossing & fine)[lines.ring])]
+    stout = [moved[simple & ~fine], _sides_and_caps(lines, caps, (crossing & ~fine)[lines.ring])]
+    if plan.growth < FINE * plan.tol:
+        slim.append(whole)
+    else:
+        stout.append(whole)
+    return np.concatenate([*slim, *stout]), np.concatenate(slim)
 
 
 def _filled(rings: Sequence[FloatArray], names: Sequence[str]) -> Shapes:

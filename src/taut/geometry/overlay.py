@@ -3,7 +3,7 @@
 GEOS' plain floating-point overlay is fast and keeps the coordinates of its input, but where edges nearly coincide it
 may fail: with an exception, by moving vertices a little more than our tolerance, or by dropping whole faces in
 silence. All three are looked for here, and answered by snap rounding (20 to 40 times slower) on a grid finer than the
-tolerance.
+tolerance. What is thinner than the grid would vanish there, and a wall with it; so it is made half a tolerance thick.
 """
 
 from __future__ import annotations
@@ -22,13 +22,18 @@ IntArray: TypeAlias = NDArray[np.intp]
 BoolArray: TypeAlias = NDArray[np.bool_]
 Shapes: TypeAlias = NDArray[np.object_]
 
+FINE = 2.0**14
+"""Tolerances: GEOS may move vertices by so many, and what is not thinner it cannot lose."""
+
+_SHARP = 0.2
+"""Radians: at a sharper corner, rounding to the grid may lose a tip longer than the tolerance."""
 
 # GEOS works with numbers near underflow and leaves the flags that NumPy would warn about
 _quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore")
 
 
 @_quiet
-def remainder(room: Any, taken: Shapes, tol: float) -> Any:
+def remainder(room: Any, taken: Shapes, tol: float, thin: Shapes | None = None) -> Any:
     """Return a polygon without the pieces taken from it.
 
     Parameters
@@ -36,6 +41,7 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
     room : a valid polygon.
     taken : (n,) valid polygons; they may overlap and touch each other and the room in any way.
     tol : metres; what is returned differs from the exact remainder by less.
+    thin : those of the pieces that may be thinner than `FINE` tolerances, and are lost nowhere all the same.
 
     Returns
     -------
@@ -43,7 +49,7 @@ def remainder(room: Any, taken: Shapes, tol: float) -> Any:
         Valid; vertices of the input keep their coordinates bit for bit unless plain overlay fails.
     """
     alone = _alone(room, taken, tol)
-    rest = _without(room, taken[~alone], tol) if not alone.all() else room
+    rest = _without(room, taken[~alone], tol, taken[:0] if thin is None else thin) if not alone.all() else room
     return _with_holes(rest, taken[alone]) if alone.any() else rest
 
 
@@ -77,34 +83,44 @@ def _with_holes(rest: Any, pieces: Shapes) -> Any:
     return out[0] if len(out) == 1 else shapely.multipolygons(out)
 
 
-def _without(room: Any, taken: Shapes, tol: float) -> Any:
-    """Return a polygon without pieces that meet each other or its boundary, by overlay."""
+def _without(room: Any, taken: Shapes, tol: float, thin: Shapes) -> Any:
+    """Return a polygon without pieces that meet each other or its boundary, by overlay; `thin` as in `remainder`."""
     grid = _grid(tol)
+    narrow = np.append(thin, shapely.get_parts(room))
     union, rounded = _joined_clusters(taken, tol)
     if not rounded:
         try:
             rest = shapely.difference(room, union)
             balance = shapely.area(room) - shapely.area(rest) - shapely.area(shapely.intersection(room, union))
             balanced = abs(balance) <= tol / 256 * (shapely.length(room) + shapely.length(union))
-            if balanced and _drawn_from(rest, taken, room, tol) and not _reached(rest, taken, tol).any():
+            sound = balanced and _drawn_from(rest, taken, room, tol) and not _reached(rest, taken, tol).any()
+            if sound and not _passes(rest, narrow, tol):
                 return rest
         except shapely.GEOSException:
             pass
     if not (rounded and shapely.is_valid(union)):
         union = shapely.union_all(taken, grid_size=grid)
+    strips = _thickened(narrow, tol)
+    if strips.size:
+        union = shapely.union_all(np.append(strips, union), grid_size=grid)
     # one edge on the grid and its neighbour off it would open a seam between them: now everything goes on the grid
     return shapely.difference(room, union, grid_size=grid)
 
 
 @_quiet
-def united(pieces: Shapes, tol: float) -> Any:
-    """Return the union of (n,) valid polygons, n ≥ 1, as a MultiPolygon; coordinates are kept as in `remainder`."""
+def united(pieces: Shapes, tol: float, thin: Shapes | None = None) -> Any:
+    """Return the union of (n,) valid polygons, n ≥ 1, as a MultiPolygon.
+
+    Coordinates are kept as in `remainder`, and of the pieces ``thin`` nothing is lost either.
+    """
+    narrow = pieces[:0] if thin is None else thin
     union, rounded = _joined_clusters(pieces, tol)
     if not rounded and _drawn_from(union, pieces, None, tol):
         outside = shapely.distance(union, shapely.point_on_surface(pieces)) > tol / 64
-        if not outside.any():
+        if not outside.any() and not _passes(union, narrow, tol):
             return union
-    return _multipolygon(shapely.union_all(pieces, grid_size=_grid(tol)))
+    strips = _thickened(narrow, tol)
+    return _multipolygon(shapely.union_all(np.append(pieces, strips), grid_size=_grid(tol)))
 
 
 def _joined_clusters(pieces: Shapes, tol: float) -> tuple[Any, bool]:
@@ -141,6 +157,51 @@ def _joined(a: Shapes, b: Shapes, tol: float) -> tuple[Shapes, BoolArray]:
     balance = shapely.area(a) + shapely.area(b) - shapely.area(union) - shapely.area(common)
     sound = np.abs(balance) <= tol / 256 * (shapely.length(a) + shapely.length(b))
     return union, ~(sound & np.isin(shapely.get_type_id(union), (3, 6)))
+
+
+def _thickened(polygons: Shapes, tol: float) -> Shapes:
+    """Return strips, tol / 2 wide, along the sides of polygons that are nearer than that to another side."""
+    a, b = _slender(polygons, tol / 2)
+    along = tol / 4 * (b - a) / np.hypot(*(b - a).T)[:, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    corners = [a - along - across, b + along - across, b + along + across, a - along + across]
+    strips: Shapes = shapely.polygons(np.stack(corners, axis=1))
+    return strips
+
+
+def _slender(polygons: Shapes, width: float) -> tuple[FloatArray, FloatArray]:
+    """Return starts and ends of the sides so near to another side of their polygon, or at a sharp corner of it."""
+    start, end, owner = _edges(polygons)
+    chosen = np.zeros(len(start), dtype=np.bool_)
+    doubtful = np.flatnonzero((shapely.minimum_clearance(polygons) <= width)[owner])
+    if len(doubtful):
+        sides = shapely.linestrings(np.stack([start[doubtful], end[doubtful]], axis=1))
+        i, j = doubtful[shapely.STRtree(sides).query(sides, "dwithin", width)]
+        apart = (start[i] != end[j]).any(axis=1) & (end[i] != start[j]).any(axis=1)
+        chosen[i[apart & (i != j) & (owner[i] == owner[j])]] = True
+    last = np.cumsum(shapely.get_num_coordinates(shapely.get_rings(polygons)) - 1) - 1
+    following = np.arange(1, len(start) + 1)
+    following[last] = np.append(0, last[:-1] + 1)
+    way = end - start
+    way /= np.hypot(way[:, 0], way[:, 1])[:, None]
+    sharp = np.flatnonzero((way * way[following]).sum(axis=1) < -math.cos(_SHARP))
+    chosen[sharp] = chosen[following[sharp]] = True
+    return start[chosen], end[chosen]
+
+
+def _passes(result: Any, polygons: Shapes, tol: float) -> bool:
+    """Whether an edge of the result passes a thin part of a polygon, which then must have been lost there."""
+    starts, ends = _slender(polygons, FINE * tol)
+    if not len(starts):
+        return False
+    a, b, _ = _edges(shapely.get_parts(result))
+    edges = shapely.linestrings(np.stack([a, b], axis=1))
+    sides = shapely.linestrings(np.stack([starts, ends], axis=1))
+    i, j = shapely.STRtree(sides).query(edges, "intersects")
+    away = np.ones(len(i), dtype=np.bool_)
+    for at, line in ((a[i], sides[j]), (b[i], sides[j]), (starts[j], edges[i]), (ends[j], edges[i])):
+        away &= shapely.distance(shapely.points(at), line) > tol / 64
+    return bool(away.any())
 
 
 def _multipolygon(shapes: Shapes) -> Any:

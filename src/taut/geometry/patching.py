@@ -109,16 +109,6 @@ def patched(mesh: Triangulation, walls: Ints, edges: Floats, narrowest: float, m
     return Patch(after, before, vertices[changed].reshape(-1, 4), vertices[np.setxor1d(old, new)])
 
 
-def region_of(mesh: Triangulation) -> shapely.Polygon | shapely.MultiPolygon:
-    """Region that a triangulation covers, without its straight vertices and closed passages."""
-    vertex, ring_start, part_start = _boundary_kernels.boundary_rings(
-        mesh.vertices, mesh.wedges, mesh.wedge_of, mesh.parts, mesh.part_count
-    )
-    offsets = ring_start, part_start
-    polygons = shapely.from_ragged_array(shapely.GeometryType.POLYGON, mesh.vertices[vertex], offsets)
-    return polygons[0] if len(polygons) == 1 else shapely.multipolygons(polygons)
-
-
 def _numbered(mesh: Triangulation, walls: Ints, edges: Floats) -> tuple[Floats, Ints, Ints]:
     """Vertices of the mesh and behind them new ones; the edges that go and that come, (k, 2) rows of them."""
     old: Ints = mesh.wedges[walls, :2]

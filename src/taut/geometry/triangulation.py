@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pythoncdt
 import shapely
 from numpy.typing import NDArray
 
-from taut.geometry import _kernels
+from taut.geometry import _boundary_kernels, _kernels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Region: TypeAlias = shapely.Polygon | shapely.MultiPolygon
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ class Triangulation:
         return np.isin(points[:, 0] + 1j * points[:, 1], pinches[:, 0] + 1j * pinches[:, 1])
 
 
-def triangulate(region: shapely.Polygon | shapely.MultiPolygon, narrowest: float = 0.0) -> Triangulation:
+def triangulate(region: Region, narrowest: float = 0.0) -> Triangulation:
     """Cut a valid (multi)polygon into triangles; straight boundary vertices are dropped first.
 
     Passages narrower than ``narrowest`` metres are closed: obstacles that touch, but for rounding, do touch.
@@ -72,13 +73,38 @@ def triangulate(region: shapely.Polygon | shapely.MultiPolygon, narrowest: float
     ValueError
         The rings cross: the region is not valid.
     """
+    return meshed(region, narrowest)[1]
+
+
+def meshed(region: Region, narrowest: float) -> tuple[Region, Triangulation]:
+    """Return what is left of a region when passages are closed, and its triangulation; see `triangulate`."""
     vertices, edges = boundary_of(region)
     if len(vertices) == 0:
-        return tabulated(np.empty((0, 2)), np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
+        return region, tabulated(np.empty((0, 2)), np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
     triangles, neighbours = filled(vertices, edges)
+    left, across = triangles, neighbours
     if narrowest > 0:
-        triangles, neighbours = _kernels.close_hairlines(vertices, triangles, neighbours, narrowest)
-    return tabulated(vertices, triangles, neighbours)
+        left, across = _kernels.close_hairlines(vertices, triangles, neighbours, narrowest)
+    mesh = tabulated(vertices, left, across)
+    return (region if len(left) == len(triangles) else region_of(mesh)), mesh
+
+
+def region_of(mesh: Triangulation) -> Region:
+    """Region that a triangulation covers, without its straight vertices.
+
+    It is a set of points: where triangles on both sides of an edge are no neighbours, the region does not show it.
+    """
+    walls = mesh.wedges[:, :2]
+    doubtful = np.sort(walls[(np.diff(mesh.vertex_start)[walls] > 1).all(axis=1)], axis=1)
+    if len(np.unique(doubtful, axis=0)) < len(doubtful):
+        region: Region = shapely.coverage_union_all(shapely.polygons(mesh.vertices[mesh.triangles]))
+        return region
+    vertex, ring_start, part_start = _boundary_kernels.boundary_rings(
+        mesh.vertices, mesh.wedges, mesh.wedge_of, mesh.parts, mesh.part_count
+    )
+    offsets = ring_start, part_start
+    polygons = shapely.from_ragged_array(shapely.GeometryType.POLYGON, mesh.vertices[vertex], offsets)
+    return polygons[0] if len(polygons) == 1 else shapely.multipolygons(polygons)
 
 
 def filled(vertices: Floats, edges: Ints) -> tuple[Ints, Ints]:

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from numbers import Real
 from typing import TypeAlias, TypeVar
 
 import numpy as np
@@ -97,8 +98,8 @@ def hub_labels(graph: Graph, order: ArrayLike | None = None, most_bytes: int | N
     1.6666666666666667
     """
     began = time.perf_counter()
-    if most_bytes is not None and most_bytes < 0:
-        raise ValueError(f"most_bytes is {most_bytes}: give a number of bytes, 0 or more")
+    if most_bytes is not None and not (isinstance(most_bytes, Real) and most_bytes >= 0):
+        raise ValueError(f"most_bytes is {most_bytes!r}: give a number of bytes, 0 or more, or None for no bound")
     ranks = hub_order(graph) if order is None else _checked_order(graph, order)
     chunks = _searched(_ranked(graph, ranks), most_bytes)
     sizes = np.zeros(graph.n, dtype=np.int64)

@@ -21,13 +21,14 @@ from taut.errors import SceneError
 from taut.freespace import FreeSpace
 from taut.geometry import _patch_kernels
 from taut.geometry.growth import free_region, grown
-from taut.geometry.patching import Patch, Unsafe, outline, patched, region_of, unchanged, walls_about, walls_near
-from taut.geometry.triangulation import Triangulation
+from taut.geometry.patching import Patch, Unsafe, outline, patched, unchanged, walls_about, walls_near
+from taut.geometry.triangulation import Triangulation, region_of
 from taut.graph import Graph
 from taut.graph.core import Floats, Ints
 from taut.roadmap import _changing_kernels
 from taut.roadmap.visibility import VisibilityGraph, visibility_graph
 from taut.scene import Line, Obstacle, Polygon, Scene
+from taut.validation import check_numbers
 
 Bools = NDArray[np.bool_]
 
@@ -84,13 +85,16 @@ def with_obstacle(freespace: FreeSpace, tangents: VisibilityGraph, obstacle: Obs
     (62.0, 8)
     """
     _check(freespace, tangents)
+    if not isinstance(obstacle, Obstacle):
+        raise SceneError(f"an obstacle is a Polygon, Rectangle, Circle or Line, got {obstacle!r}")
     scene = replace(freespace.scene, obstacles=(*freespace.scene.obstacles, obstacle))
     added = scene.obstacles[-1]
-    shape = grown(added, freespace.growth, freespace.arc_error, keep=freespace.kept)
     tol = max(freespace.scene.tol, _own_tol(added))
     vars(scene)["tol"] = tol  # which the scene would look for among all its obstacles
-    if tol > freespace.scene.tol and _closes(freespace.mesh, tol):
+    check_numbers(replace(scene.with_obstacles([added]), robots=()))
+    if tol > freespace.scene.tol and (_thickens(freespace, tol) or _closes(freespace.mesh, tol)):
         return _rebuilt(freespace, scene)
+    shape = grown(added, freespace.growth, freespace.arc_error, keep=freespace.kept, tol=tol)
     margin = _NEAR * tol
     mesh = freespace.mesh
     try:
@@ -133,7 +137,7 @@ def without_obstacle(freespace: FreeSpace, tangents: VisibilityGraph, name: str)
         patch = _recomputed(freespace, cluster, [old.obstacles[k] for k in cluster.members if k != place], old.tol)
     except Unsafe:
         return _rebuilt(freespace, scene)
-    shape = grown(gone, freespace.growth, freespace.arc_error, keep=freespace.kept)
+    shape = grown(gone, freespace.growth, freespace.arc_error, keep=freespace.kept, tol=old.tol)
     corners = shapely.get_coordinates(shapely.oriented_envelope(shape))
     return _changed(freespace, tangents, scene, patch, np.append(corners, _strays(patch, shape, margin), axis=0))
 
@@ -164,6 +168,11 @@ def _check(freespace: FreeSpace, tangents: VisibilityGraph) -> None:
 
 def _own_tol(obstacle: Obstacle) -> float:
     return 2.0**-40 * (float(np.abs(obstacle.core).max()) + obstacle.own_radius)
+
+
+def _thickens(freespace: FreeSpace, tol: float) -> bool:
+    """Whether some line or circle is so thin that a larger tolerance makes it thicker."""
+    return any(not o.closed and o.own_radius + freespace.growth < tol / 2 for o in freespace.scene.obstacles)
 
 
 def _closes(mesh: Triangulation, tol: float) -> bool:
@@ -243,6 +252,7 @@ def _recomputed(freespace: FreeSpace, cluster: _Cluster, after: list[Obstacle], 
     outside = not cluster.walled and not shapely.Polygon(freespace.scene.workspace).intersects(cluster.cores[0])
     if (after or cluster.walled) and not outside:
         local = Scene(frame, after)
+        vars(local)["tol"] = tol
         edges = outline(free_region(local, freespace.growth, freespace.arc_error, keep=freespace.kept))
     if not cluster.walled:
         inside = (edges >= np.tile(low, 2)).all(axis=1) & (edges <= np.tile(high, 2)).all(axis=1)
@@ -297,7 +307,9 @@ def _seen(space: FreeSpace, tangents: VisibilityGraph, patch: Patch, past: Float
     rows = _changing_kernels.patched_rows(
         graph.indptr, graph.indices, graph.weights, number, len(wedges), np.stack([a, b], axis=1), pairs, lengths
     )
-    return Changed(space, VisibilityGraph(positions, Graph(*rows), wedges), before, False)
+    return Changed(
+        space, VisibilityGraph(positions, Graph(*rows), wedges, np.zeros(len(wedges), dtype=np.bool_)), before, False
+    )
 
 
 def _hull(points: Floats, margin: float) -> Floats:

@@ -28,9 +28,12 @@ class VisibilityGraph(Roadmap):
     ----------
     wedges : (n,) number of each vertex' wedge in ``freespace.mesh``, −1 for given points. Where free space touches
         itself, one place has several wedges, each a vertex of its own: paths may not pass from one to another.
+    ends_only : (n,) whether paths may begin or end at a vertex but not pass through it: points given where free space
+        touches itself. Such a point belongs to both sides, so its edges lead to both.
     """
 
     wedges: Ints
+    ends_only: NDArray[np.bool_]
 
 
 def visibility_graph(
@@ -44,7 +47,8 @@ def visibility_graph(
 
     Parameters
     ----------
-    points : (k, 2) further vertices (starts, goals), appended in this order.
+    points : (k, 2) further vertices (starts, goals), appended in this order. A search must pass through none of those
+        that lie where free space touches itself, see ``ends_only`` of what comes back.
 
     Raises
     ------
@@ -81,7 +85,8 @@ def visibility_graph(
         found = _with_collinear(positions, np.append(mesh.wedge_turns[vertices] >= 0, np.zeros(len(xy), bool)), found)
     lengths = np.hypot(*(positions[found[:, 0]] - positions[found[:, 1]]).T)
     graph = Graph.from_edges(len(positions), found, lengths)
-    return VisibilityGraph(positions, graph, np.append(vertices, np.full(len(xy), -1, dtype=np.int64)))
+    wedges = np.append(vertices, np.full(len(xy), -1, dtype=np.int64))
+    return VisibilityGraph(positions, graph, wedges, np.append(np.zeros(first, dtype=np.bool_), mesh.on_pinch(xy)))
 
 
 def obstacle_wedges(freespace: FreeSpace) -> NDArray[np.bool_]:
@@ -93,7 +98,7 @@ def obstacle_wedges(freespace: FreeSpace) -> NDArray[np.bool_]:
     room = free_region(Scene(freespace.scene.workspace), freespace.growth, freespace.arc_error)
     on_wall = shapely.dwithin(shapely.points(at), room.boundary, freespace.scene.tol)
     grown_corners = shapely.get_coordinates(
-        [grown(o, freespace.growth, freespace.arc_error) for o in freespace.scene.obstacles]
+        [grown(o, freespace.growth, freespace.arc_error, tol=freespace.scene.tol) for o in freespace.scene.obstacles]
     )
     of_obstacle = np.isin(at[:, 0] + 1j * at[:, 1], grown_corners[:, 0] + 1j * grown_corners[:, 1])
     wanted[doubtful] = of_obstacle | ~on_wall
