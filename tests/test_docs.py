@@ -7,6 +7,7 @@ import re
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -15,8 +16,8 @@ from taut.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
-WITH_COMMANDS = {"README.md", "start.md", "files.md", "graphs.md", "mrppa.md"}
-WITH_PYTHON = {"README.md", "start.md", "meanings.md", "files.md", "thesis.md", "graphs.md", "mrppa.md", "paths.md"}
+WITH_COMMANDS = {"README.md", "start.md", "files.md", "graphs.md", "mrppa.md", "chapter5.md"}
+WITH_PYTHON = WITH_COMMANDS | {"meanings.md", "thesis.md", "paths.md"}
 
 
 @dataclass(frozen=True)
@@ -72,14 +73,26 @@ def test_every_page_is_reached_from_the_readme() -> None:
         assert f"(docs/{page.name})" in text
 
 
-def test_the_page_on_mrppa_tells_what_planning_tells_now() -> None:
-    place = importlib.util.spec_from_file_location("make_mrppa", ROOT / "docs" / "make_mrppa.py")
+def maker(name: str) -> ModuleType:
+    """Return the script of the folder docs that makes a page."""
+    place = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
     assert place is not None
     assert place.loader is not None
-    maker = importlib.util.module_from_spec(place)
-    place.loader.exec_module(maker)
-    results = {name: taut.plan(taut.load_scene(name), method="mrppa") for name in maker.SCENES}
-    assert maker.page(results) == (ROOT / "docs" / "mrppa.md").read_text(encoding="utf-8")
+    module = importlib.util.module_from_spec(place)
+    place.loader.exec_module(module)
+    return module
+
+
+def test_the_page_on_mrppa_tells_what_planning_tells_now() -> None:
+    made = maker("make_mrppa")
+    results = {name: taut.plan(taut.load_scene(name), method="mrppa") for name in made.SCENES}
+    assert made.page(results) == (ROOT / "docs" / "mrppa.md").read_text(encoding="utf-8")
+
+
+def test_the_page_on_chapter_5_tells_what_the_planners_find_now(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    made = maker("make_chapter5")
+    assert made.page(made.chapter()) == (ROOT / "docs" / "chapter5.md").read_text(encoding="utf-8")
 
 
 def test_every_command_is_documented() -> None:
