@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+import central
 import graphs
 import page
 import paths
@@ -17,6 +18,7 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "performance.md"
 SUITES = {
     "start": startup.TITLES,
     "paths": paths.TITLES,
+    "central": central.TITLES,
     "graphs": graphs.TITLES,
     "teams": team.TITLES,
 }
@@ -68,6 +70,8 @@ def _report(name: str, quick: bool, maps: Path | None) -> Report:
             return startup.suite(quick)
         case "paths":
             return paths.suite(quick, maps)
+        case "central":
+            return central.suite(quick)
         case "graphs":
             return graphs.suite(quick)
         case _:

@@ -335,9 +335,9 @@ def test_bad_input_is_told_in_one_line() -> None:
             travel([], (1, 4), (9, 4), delta)
     with pytest.raises(SceneError, match="no robot R7; it has R1"):
         central_path(Scene((0, 0, 1, 1), robots=[Robot("R1", (0, 0), (1, 1))]), "R7")
-    with pytest.raises(StartBlocked, match=r"robot R1: start \(1, 4\) has no room"):
+    with pytest.raises(StartBlocked, match=r"robot R1: start \(1, 4\) lies inside obstacle O1"):
         travel([box(0, 3, 2, 5)], (1, 4), (9, 4))
-    with pytest.raises(GoalBlocked, match=r"robot R1: goal \(9.5, 4\) has no room"):
+    with pytest.raises(GoalBlocked, match=r"robot R1: goal \(9.5, 4\) is only 0.5 m from the wall but needs 0.75 m"):
         travel([], (1, 4), (9.5, 4), radius=0.75)
 
 

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -389,6 +390,67 @@ def test_sliding_past_and_starting_at_a_touching_point_are_allowed(
 ) -> None:
     for way in (points, points[::-1]):
         assert certify(walk(way, obstacles)).problems == ()
+
+
+def needle(x: float, thickness: float) -> Polygon:
+    return Polygon([(x, -1), (x, 11), (x + thickness, 11), (x + thickness, -1)], "W")
+
+
+TOL = 10 * 2.0**-40
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 0.1, 0.9, 1.1, 1.9, 2.5])
+@pytest.mark.parametrize("points", [
+    [(1, 5), (9, 5)],
+    [(4, 3), (5, 3), (6, 3)],  # a stamp in the wall
+    [(4, 2), (5 - 1e-12, 3), (5 - 1e-12, 4), (5 + 3e-11, 5), (5 + 3e-11, 6), (6, 6)],  # along it, slowly through
+    [(5 - 2e-11, 1), (5 + 3e-11, 9)],
+    [(5 - 2e-11, 5), (5 + 2e-11, 5)],
+])  # fmt: skip
+def test_no_way_through_a_thin_wall(thickness: float, points: list[tuple[float, float]]) -> None:
+    for wall in (Line([(5, -1), (5, 11)], thickness * TOL, "W"), needle(5, max(thickness * TOL, 2e-15))):
+        for way in (points, points[::-1]):
+            problems = certify(walk(way, [wall])).problems
+            assert "crossing" in [p.kind for p in problems]
+            assert {p.obstacle for p in problems} == {"W"}
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 0.5, 1.5])
+def test_ways_along_and_round_a_thin_wall_are_allowed(thickness: float) -> None:
+    wall = Line([(5, -1), (5, 8)], thickness * TOL, "W")
+    for points in (
+        [(1, 1), (5, 1), (5, 7), (1, 7)],
+        [(1, 5), (5, 8), (9, 5)],
+        [(5, 4), (5, 8), (5, 4), (9, 4)],
+        [(5, 4), (5, 8), (5, 9)],
+        [(5, 2), (1, 2)],
+        [(5, 2), (9, 2)],
+    ):
+        for way in (points, points[::-1]):
+            assert certify(walk(way, [wall])).problems == ()
+
+
+def test_a_thin_wall_is_named_with_the_place_of_crossing() -> None:
+    (problem,) = certify(walk([(1, 5), (9, 5)], [Line([(5, -1), (5, 11)], 1e-12, "W")])).problems
+    assert str(problem) == "R passes through W at t = 4 s near (5, 5)"
+
+
+@settings(deadline=None, max_examples=80)
+@given(seeds, st.floats(0, 3), st.floats(-3, 0.3))
+def test_no_way_through_walls_set_end_to_end(seed: int, angle: float, thin: float) -> None:
+    rng = np.random.default_rng(seed)
+    cuts = [-6.0, *np.sort(rng.uniform(-5, 5, 3)).tolist(), 6.0]
+    height = max(10**thin * TOL, 1e-14)
+    bars = []
+    for a, b in pairwise(cuts):
+        bar = np.array([(a, 0), (b, 0), (b, height), (a, height)])
+        bars.append(Polygon(turned(bar, angle, 1.0)))
+    box = turned(np.array([(-5, -5), (5, -5), (5, 5), (-5, 5)]), angle, 1.0)
+    x = rng.choice([*cuts[1:-1], *rng.uniform(-4, 4, 3)])
+    across = turned(np.array([(rng.uniform(-4, 4), -3), (x, 0), (rng.uniform(-4, 4), 3)]), angle, 1.0)
+    assert "crossing" in kinds(certify(walk(across, bars, box)))
+    along = turned(np.array([(-4, -3), (x, 0), (cuts[1], 0), (4, -3)]), angle, 1.0)
+    assert certify(walk(along, bars, box)).problems == ()
 
 
 def turned(points: FloatArray, angle: float, scale: float) -> FloatArray:

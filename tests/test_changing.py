@@ -456,3 +456,56 @@ def test_tangents_of_something_else_are_refused() -> None:
             with_obstacle(state.freespace, other, Rectangle(5, 5, 1, 1))
         with pytest.raises(ValueError, match="tangent graph"):
             without_obstacle(state.freespace, other, "box")
+
+
+def test_a_region_stays_valid_where_passages_are_too_narrow() -> None:
+    a, b = math.pi / 6, 2 * math.pi / 3
+    bars = [
+        Rectangle(4.980973816017714, 5.338622510291822, 0.3, 0.3, 0.5235987755982989),
+        Rectangle(4.571166194882383, 5.448430131427154, 0.3, 0.3, b),
+        Rectangle(4.20155095261175, 4.888622510291823, 0.3, 0.3, a),
+        Rectangle(4.511599047328216, 4.331507268021159, 0.15, 0.3, a),
+        Rectangle(4.311358573747051, 5.298430131427153, 0.3, 0.3, b),
+        Rectangle(4.611358573747084, 4.77881488915649, 0.3, 0.3, a),
+    ]
+    beside = [
+        (4.014055434216757, 6.445901637830583),
+        (4.31716432554131, 6.620901637830583),
+        (3.9671643255413107, 7.22711942047969),
+        (3.664055434216757, 7.05211942047969),
+    ]
+    square = [
+        (5.0640554342167565, 4.627248289883262),
+        (5.670273216865864, 4.977248289883262),
+        (5.320273216865864, 5.583466072532369),
+        (4.714055434216757, 5.233466072532369),
+    ]
+    state = built(Scene((0, 0, 10, 10), [*bars, Polygon(beside, "P"), Polygon(square)]))
+    assert shapely.is_valid(state.freespace.region)
+    assert shapely.is_valid(removed(state, "P").freespace.region)
+
+
+def test_thin_lines_are_as_thick_after_a_change_as_in_a_fresh_map() -> None:
+    fence = Line([(1, 4), (4, 4), (4, 7)], 1e-14, "fence")
+    pole = Circle((6, 6), 1e-14, "pole")
+    state = built(Scene((0, 0, 8, 8), [fence, Rectangle(2, 1, 1, 1)]))
+    for step in (pole, Rectangle(4, 5, 1, 1, 0.0, "touching"), Polygon([(20, 0), (21, 0), (20, 1)], "far")):
+        state = added(state, step)
+        check_equal(state, anew(state))
+        fresh, ours = (s.freespace.mesh.vertices for s in (anew(state), state))
+        assert np.abs(np.sort(fresh, axis=0) - np.sort(ours, axis=0)).max() < state.freespace.scene.tol / 8
+    for name in ("far", "touching", "pole"):
+        state = removed(state, name)
+        check_equal(state, anew(state))
+
+
+@pytest.mark.parametrize("thing", [None, "A", Robot("A", (1, 1), (2, 2))])
+def test_what_is_no_obstacle_is_refused(thing: Obstacle) -> None:
+    with pytest.raises(SceneError, match="an obstacle is a Polygon, Rectangle, Circle or Line"):
+        added(built(HALL), thing)
+
+
+@pytest.mark.parametrize("thing", [Circle((1e308, 0), 1e308), Line([(0, 1e155), (1e155, 0)], 1), Circle((0, 0), 1e-80)])
+def test_numbers_beyond_computing_are_refused(thing: Obstacle) -> None:
+    with pytest.raises(SceneError, match="nothing can be computed"):
+        added(built(HALL), thing)

@@ -71,7 +71,7 @@ def rows(text: str, head: str) -> list[list[str]]:
     next(lines)
     out = []
     for line in lines:
-        if not line or line.startswith("wrote"):
+        if not line or line.startswith(("wrote", "(")):
             break
         out.append(re.split(r" {3,}", line.strip()))
     return out
@@ -89,7 +89,7 @@ def test_tables_hold_what_the_library_finds(compare: Command) -> None:
         assert row[1] == f"{total.solved} of 2"
         assert row[2] == ("–" if total.mean_ratio is None else f"{total.mean_ratio:.4f}")
         assert row[3] == ("–" if total.worst_ratio is None else f"{total.worst_ratio:.4f}")
-        assert row[5] == ("–" if total.least_clearance is None else f"{total.least_clearance:.4f}")
+        assert row[5] == ("–" if total.least_clearance is None else f"{abs(total.least_clearance):.4f}")
     assert [row[:2] for row in effort] == [["R1", "7.6569"], ["R2", f"{found.shortest[1]:.4f}"]]
     assert [row[2] for row in effort] == ["1.0000", "1.0000"]
 

@@ -16,7 +16,7 @@ from sound import distance
 from strategies import scenes
 from taut.errors import GoalBlocked, NoPath, SceneError, StartBlocked
 from taut.freespace import FreeSpace, without_discs
-from taut.scene import Circle, FloatArray, Polygon, Robot, Scene
+from taut.scene import Circle, FloatArray, Line, Obstacle, Point, Polygon, Rectangle, Robot, Scene
 from zoo import POLYGONS_ONLY, ZOO, Entry, free_region_exact
 
 HALL = Scene((0, 0, 8, 8))
@@ -279,3 +279,140 @@ def test_a_disc_across_parts_the_hall() -> None:
         space.require(Robot("R", (1, 0.5), (7, 0.5)))
     touching = without_discs(FreeSpace(corridor), np.array([[4.0, 0.5]]), np.array([0.0]))
     assert touching.area == FreeSpace(corridor).area
+
+
+ACROSS = ("line", "bent line", "needle", "band", "spike", "notch")
+
+
+def hall_halved(kind: str, at: Point, turn: float, thickness: float, corner: Point) -> Scene:
+    """A hall of 10 m with a wall from bottom to top, and squares in the way that touch each other but for rounding."""
+    x0, y0 = corner
+    (bottom, top), c, s = at, math.cos(turn), math.sin(turn)
+
+    def placed(points: list[Point]) -> list[Point]:
+        return [(x0 + x, y0 + y) for x, y in points]
+
+    def turned(points: list[Point]) -> list[Point]:
+        return placed([(5 + c * x - s * y, 5 + s * x + c * y) for x, y in points])
+
+    lower, upper = (bottom, -1.0), (top, 11.0)
+    beside, above = (bottom + thickness, -1.0), (top + thickness, 11.0)
+    room = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+    wall: list[Obstacle] = []
+    match kind:
+        case "line":
+            wall = [Line(placed([lower, upper]), thickness)]
+        case "bent line":
+            wall = [Line(placed([lower, (5, 5.5), upper]), thickness)]
+        case "needle":
+            wall = [Polygon(placed([lower, upper, above]))]
+        case "band":
+            wall = [Polygon(placed([lower, upper, above, beside]))]
+        case "spike":
+            wall = [Polygon(placed([lower, upper, beside, (bottom + 1, -1), (bottom + 1, -2), (bottom, -2)]))]
+        case _:
+            room[1:1] = [(bottom, 0.0), (top, 9.5), (bottom + thickness, 0.0)]
+            wall = [Line(placed([(top, 9.5), upper]), thickness)]
+    blocks = [
+        Polygon(turned([(-1, -1), (0, -1), (0, 0), (-1, 0)])),
+        Polygon(turned([(-1.5, 0), (-0.5, 0), (-0.5, 1), (-1.5, 1)])),
+        Polygon(turned([(-0.5, 0), (0.7, 0), (0.7, 0.4), (-0.5, 0.4)])),
+    ]
+    return Scene(placed(room), [*blocks, *wall])
+
+
+@settings(deadline=None, max_examples=150)
+@given(
+    st.sampled_from(ACROSS),
+    st.tuples(st.floats(3.5, 5.5), st.floats(3.5, 5.5)),
+    st.floats(0, 1.5),
+    st.floats(-3, 1),
+    st.sampled_from([(0.0, 0.0), (500.0, 500.0), (500000.0, 5400000.0)]),
+)
+def test_no_wall_is_too_thin_to_stop_anybody_whatever_touches_beside_it(
+    kind: str, at: Point, turn: float, thin: float, corner: Point
+) -> None:
+    least = 4 * np.spacing(max(corner) + 10)  # or rounding leaves nothing between the sides
+    scene = hall_halved(kind, at, turn, max(10**thin * 2.0**-40 * (max(corner) + 10), least), corner)
+    left, right = ((corner[0] + x, corner[1] + 9.9) for x in (0.1, 9.9))
+    space = FreeSpace(scene)
+    (one,), (other,) = space.part_of([left, right])
+    assert one != other
+    assert shapely.is_valid(space.region)
+
+
+def test_a_thin_wall_stays_where_two_squares_touch_but_for_rounding() -> None:
+    c, s = math.cos(0.3), math.sin(0.3)
+
+    def turned(*points: Point) -> Polygon:
+        return Polygon([(5 + c * x - s * y, 5 + s * x + c * y) for x, y in points])
+
+    squares = [turned((0, 0), (1, 0), (1, 1), (0, 1)), turned((-0.5, 1), (0.5, 1), (0.5, 2), (-0.5, 2))]
+    assert FreeSpace(Scene((0, 0, 10, 10), [*squares, Line([(5.1, -1), (5.2, 11)], 1e-13)])).parts == 2
+
+
+def test_starts_on_a_thin_wall_are_still_free() -> None:
+    scene = Scene((0, 0, 10, 10), [Line([(5, 0), (5, 8)], 1e-13)])
+    xy, triangles = FreeSpace(scene).anchor([(5, 4), (5, 8)])
+    assert (triangles >= 0).all()
+    assert np.abs(xy - [(5, 4), (5, 8)]).max() <= scene.tol
+
+
+def test_places_far_beyond_the_map_are_not_free() -> None:
+    big = 1e308
+    assert not FreeSpace(HALL).contains([(big, big), (-big, big), (big, 4), (4, -big), (math.inf, 4), (1e30, 4)]).any()
+
+
+def test_the_region_of_a_gap_too_narrow_to_pass_is_closed_as_the_free_space_is() -> None:
+    tol = HALL.tol
+    space = FreeSpace(Scene((0, 0, 8, 8), [Rectangle(2, 2, 2, 2), Rectangle(4 + tol / 2, 2, 2, 2)]))
+    inside = (4 + tol / 4, 3)
+    assert not space.contains([inside])[0]
+    assert not space.region.covers(shapely.Point(inside))
+    assert space.area == pytest.approx(64 - 8 - tol, abs=1e-14)
+    assert space.mesh.part_count == space.parts == 1
+
+
+def test_the_region_is_valid_where_only_an_edge_is_closed() -> None:
+    tips = [Polygon([(3, 0), (5, 0), (4, 4)]), Polygon([(3, 8), (4, 4 + HALL.tol / 2), (5, 8)])]
+    space = FreeSpace(Scene((0, 0, 8, 8), tips))
+    assert space.parts == 2
+    assert shapely.is_valid(space.region)
+    assert space.area == pytest.approx(64 - 8, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [np.zeros((2, 3)), np.zeros((1, 2, 2)), 1.0, None, "ab", [(1,)], [(1, 2), (3,)], [(1j, 1)], [(10**400, 1)]],
+)
+def test_what_is_no_list_of_points_is_refused(points: object) -> None:
+    space = FreeSpace(HALL)
+    for ask in (space.contains, space.anchor, space.part_of):
+        with pytest.raises(ValueError, match="points must be points"):
+            ask(points)  # type: ignore[arg-type]
+
+
+def test_one_point_and_no_point_are_points() -> None:
+    assert FreeSpace(HALL).contains((1, 1)).tolist() == [True]
+    assert FreeSpace(HALL).contains([]).tolist() == []
+
+
+@pytest.mark.parametrize("obstacle", [
+    Circle((1e308, 0), 1e308), Line([(0, 1e155), (1e155, 0)], 1), Circle((1e200, 0), 1), Rectangle(0, 0, 1, 1e-80, 0.5),
+])  # fmt: skip
+def test_numbers_beyond_computing_are_refused(obstacle: Obstacle) -> None:
+    with pytest.raises(SceneError, match="nothing can be computed"):
+        FreeSpace(Scene((0, 0, 8, 8), [obstacle]))
+
+
+@pytest.mark.parametrize("growth", [1e300, 1e-80, math.nan, "1", None])
+def test_growth_that_is_no_length_is_refused(growth: float) -> None:
+    with pytest.raises(SceneError, match="growth must be a number"):
+        FreeSpace(HALL, growth)
+
+
+def test_what_is_no_scene_or_no_share_is_refused() -> None:
+    with pytest.raises(SceneError, match="made from a Scene"):
+        FreeSpace(None)  # type: ignore[arg-type]
+    with pytest.raises(SceneError, match="arc_error must lie"):
+        FreeSpace(HALL, 0.0, "x")  # type: ignore[arg-type]

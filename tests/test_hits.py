@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -131,3 +132,12 @@ def test_one_point_is_a_path() -> None:
 def test_no_path_is_refused() -> None:
     with pytest.raises(ValueError, match="at least one point"):
         hits_of(Scene(HALL), np.empty((0, 2)), 0.0)
+
+
+@pytest.mark.parametrize("growth", [math.nan, -1.0, math.inf])
+def test_a_growth_that_is_none_is_refused(growth: float) -> None:
+    scene = Scene((0, 0, 10, 10), [box(4, 3, 6, 7)])
+    with pytest.raises(ValueError, match="growth"):
+        hits_of(scene, [(1, 5), (9, 5)], growth)
+    with pytest.raises(ValueError, match="finite"):
+        hits_of(scene, [(math.nan, 1)], 0.1)

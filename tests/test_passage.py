@@ -248,3 +248,10 @@ def test_crowds_far_from_the_way_are_passed_over_and_the_gap_between_them_is_fou
     assert not {"start", "goal", "the wall"} & set(passage.between)
     assert 4 < passage.clearance < 5
     check_against_free_space(scene, a, b, arc_error=1e-3)
+
+
+def test_an_end_that_touches_something_is_the_narrowest_place() -> None:
+    corners = Scene((0, 0, 10, 10), [Rectangle(2, 2, 3, 3), Rectangle(5, 5, 3, 3)])
+    passage = widest_passage(corners, (5, 5), (9, 1))
+    assert (passage.clearance, passage.between[0], passage.place) == (0.0, "start", (5.0, 5.0))
+    assert math.copysign(1.0, passage.clearance) == 1.0

@@ -20,11 +20,14 @@ from taut.route import (
     distances_from,
     paths,
     prepare,
+    shortest_path,
     shortest_routes,
+    with_obstacle,
 )
-from taut.scene import FloatArray, Rectangle, Scene
+from taut.scene import FloatArray, Polygon, Rectangle, Scene
 from zoo import ZOO, Entry
 
+HALL = Scene((0, 0, 10, 10))
 KINDS: tuple[Literal["graph", "labels"], ...] = ("graph", "labels")
 
 
@@ -153,3 +156,63 @@ def test_labels_report_their_size_and_keep_a_bound() -> None:
         prepare(freespace, "labels", most_bytes=100)
     with pytest.raises(ValueError, match="graph"):
         prepare(freespace, "tables")  # type: ignore[arg-type]
+
+
+def test_labels_notice_an_obstacle_that_closes_a_passage_beside_their_path() -> None:
+    tips = [Polygon([(x, 0), (x + 1, 5 + 5e-13), (x + 2, 0)]) for x in (2.0, 6.0)]
+    low = Polygon([(4.5, 1), (5, 5), (5.5, 1)])
+    index = prepare(FreeSpace(Scene((0, 0, 10, 10), [*tips, low])), "labels")
+    closed = with_obstacle(index, Polygon([(4.5, 10), (5, 5 + 1e-12), (5.5, 10)]))
+    expected, _ = direct_lengths(closed.freespace, [(1.5, 2)], [(8.5, 2)])
+    assert expected[0] > 16
+    assert distances(index, [(1.5, 2)], [(8.5, 2)])[0] < 11
+    assert distances(closed, [(1.5, 2)], [(8.5, 2)])[0] == pytest.approx(expected[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_empty_hall_takes_its_first_obstacle(kind: Literal["graph", "labels"]) -> None:
+    index = with_obstacle(prepare(FreeSpace(Scene((0, 0, 10, 10))), kind), Rectangle(4, 4, 2, 2))
+    assert distances(index, [(0, 5)], [(10, 5)])[0] == pytest.approx(2 * np.hypot(4, 1) + 2, rel=1e-15)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_lengths_are_measured_from_the_places_given(kind: Literal["graph", "labels"]) -> None:
+    scene = Scene((0, 0, 10, 10), [Rectangle(4, 4, 2, 2)])
+    space, inside = FreeSpace(scene), scene.tol * 0.9
+    index = prepare(space, kind)
+    for start, goal in (((4 + inside, 5), (9, 5)), ((4, 4 - inside), (4, -inside)), ((-inside, 1), (10 + inside, 9))):
+        (length,) = distances(index, [start], [goal])
+        points = paths(index, [start], [goal])[0]
+        assert points[0].tolist() == list(start)
+        assert points[-1].tolist() == list(goal)
+        drawn = np.hypot(*np.diff(points, axis=0).T).sum()
+        for found in (length, distances_from(index, start, [goal])[0], shortest_path(space, start, goal).length):
+            assert abs(found - drawn) <= 4 * np.spacing(drawn)
+
+
+@pytest.mark.parametrize("points", [np.zeros((2, 3)), 1.0, None, "ab", [(1, 2), (3,)], [(1j, 1)], [(10**400, 1)]])
+def test_what_is_no_list_of_points_is_refused(points: object) -> None:
+    index = prepare(FreeSpace(HALL))
+    for ask in (
+        lambda: distances(index, points, [(1, 1)]),  # type: ignore[arg-type]
+        lambda: paths(index, [(1, 1)], points),  # type: ignore[arg-type]
+        lambda: distances_from(index, (1, 1), points),  # type: ignore[arg-type]
+        lambda: direct_lengths(index.freespace, points, points),  # type: ignore[arg-type]
+        lambda: shortest_path(index.freespace, points, (1, 1)),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(ValueError, match=r"must be points|must be one point"):
+            ask()
+
+
+@pytest.mark.parametrize("which", [slice(0, 1), 0.0, "0", None])
+def test_paths_are_taken_by_their_number(which: int) -> None:
+    found = paths(prepare(FreeSpace(HALL)), [(1, 1)], [(2, 2)])
+    assert found[np.int64(0)].tolist() == found[-1].tolist() == [[1, 1], [2, 2]]  # type: ignore[index]
+    with pytest.raises(TypeError, match="by their number"):
+        found[which]
+
+
+@pytest.mark.parametrize("most", [float("nan"), "1", -1])
+def test_bounds_on_bytes_that_are_none_are_refused(most: int) -> None:
+    with pytest.raises(ValueError, match="give a number of bytes"):
+        prepare(FreeSpace(HALL), "labels", most_bytes=most)

@@ -52,11 +52,7 @@ def test_a_far_obstacle_changes_nothing(name: str) -> None:
     for x, y in np.random.default_rng(0).uniform(low, high, (400, 2)):
         crate = Circle((x, y), 0.01 * float((high - low).max()), name="crate")
         legs = [motion.points for motion in old.trajectories]
-        near = min(
-            np.hypot(*(np.linspace(a, b, 50) - (x, y)).T).min()
-            for points in legs
-            for a, b in pairwise(points)
-        )
+        near = min(np.hypot(*(np.linspace(a, b, 50) - (x, y)).T).min() for points in legs for a, b in pairwise(points))
         if near > 0.05 * float((high - low).max()):
             break
     assert len(tracks)
@@ -155,3 +151,14 @@ def test_whatever_is_added_the_result_certifies_and_keeps_what_it_says(
     broken = {name for problem in certify(Plan(new.plan.scene, old.trajectories)).problems for name in problem.robots}
     assert broken <= set(new.changed)
     assert all("makes way for" in why for name, why in new.changed.items() if name not in broken)
+
+
+def test_bad_parameters_are_refused() -> None:
+    scene = load_scene("thesis-1")
+    result = plan(scene)
+    for words, match in (({"rounds": 0}, "rounds"), ({"seconds": -1.0}, "seconds"), ({"seed": -1}, "seed")):
+        with pytest.raises(SceneError, match=match):
+            replan(result.plan, scene, **words)  # type: ignore[arg-type]
+    for call in (lambda: replan(result, scene), lambda: with_obstacle(result, Circle((1, 1), 0.1))):  # type: ignore[call-overload]
+        with pytest.raises(TypeError, match=r"not (to )?a Result"):
+            call()

@@ -58,3 +58,9 @@ def test_two_robots_that_meet_let_each_other_pass(way: str) -> None:
     except NoPlanFound:
         pytest.fail(f"{way}: two robots in an empty hall do not pass each other")
     assert found.certificate.ok
+
+
+def test_a_central_path_that_hits_something_is_no_route() -> None:
+    scene = Scene((0, 0, 10, 10), [Rectangle(3, 0, 2, 5)], [Robot("R1", (0, 0), (10, 0))])
+    with pytest.raises(NoPath, match=r"R1: the Central Algorithm's path hits O1 and the wall at \("):
+        plan(scene, roadmap="ca")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from strategies import scenes
 from taut.errors import NoPath
 from taut.freespace import FreeSpace
 from taut.geometry.triangulation import triangulate
+from taut.graph import Graph, components
 from taut.roadmap import VisibilityGraph, visibility_graph
 from taut.route import shortest_path
 from taut.scene import Polygon, Rectangle, Scene
@@ -174,3 +176,16 @@ def test_corners_that_touch_up_to_rounding_do_not_let_through() -> None:
 def test_a_gap_wider_than_the_tolerance_stays_open() -> None:
     scene = Scene((0, 0, 4, 4), [Rectangle(0, 1, 2, 1), Rectangle(2 + 1e-9, 1, 1.9, 1)])
     assert shortest_path(FreeSpace(scene), (2, 0), (2, 4)).length < 4 + 1e-8
+
+
+@pytest.mark.parametrize("edges", ["tangent", "all"])
+def test_a_point_where_free_space_touches_itself_is_an_end_only(edges: Literal["tangent", "all"]) -> None:
+    space = FreeSpace(Scene((0, 0, 4, 4), [Rectangle(0, 2, 2, 2), Rectangle(2, 0, 2, 2)]))
+    graph = visibility_graph(space, edges, [(1, 1), (2, 2), (3, 3)])
+    first = graph.graph.n - 3
+    assert np.flatnonzero(graph.ends_only).tolist() == [first + 1]
+    found = set(map(tuple, graph.edges.tolist()))
+    assert {(first, first + 1), (first + 1, first + 2)} <= found  # it belongs to both sides
+    through = ~graph.ends_only[graph.edges].any(axis=1)
+    links = Graph.from_edges(graph.graph.n, graph.edges[through])
+    assert components(links)[first] != components(links)[first + 2]

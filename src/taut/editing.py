@@ -38,6 +38,7 @@ def with_obstacle(made: PathIndex | Plan, obstacle: Obstacle) -> PathIndex | Rep
     """
     if isinstance(made, PathIndex):
         return editing.with_obstacle(made, obstacle)
+    _require_plan(made)
     from taut.team import replan
 
     return replan(made, replace(made.scene, obstacles=(*made.scene.obstacles, obstacle)))
@@ -59,9 +60,17 @@ def without_obstacle(made: PathIndex | Plan, name: str) -> PathIndex | Replanned
     """
     if isinstance(made, PathIndex):
         return editing.without_obstacle(made, name)
+    _require_plan(made)
     from taut.team import replan
 
     left = tuple(obstacle for obstacle in made.scene.obstacles if obstacle.name != name)
     if len(left) == len(made.scene.obstacles):
         raise SceneError(f"there is no obstacle {name}; name one of the scene")
     return replan(made, replace(made.scene, obstacles=left))
+
+
+def _require_plan(made: object) -> None:
+    from taut.motion import Plan
+
+    if not isinstance(made, Plan):
+        raise TypeError(f"obstacles are added to a PathIndex or a Plan, not to a {type(made).__name__}")

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
 def one_line(text: str) -> str:
     """Return the text with line breaks and other unprintable characters written as escapes."""
     return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def rounded_down(x: float) -> str:
+    """Return a number ≥ 0 cut to four digits, for texts that say what is allowed at most."""
+    unit = 10.0 ** (math.floor(math.log10(x)) - 3) if x > 0 else 1.0
+    return f"{math.floor(x / unit) * unit:g}"
 
 
 class TautError(Exception):

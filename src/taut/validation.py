@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from taut.errors import GoalBlocked, SceneError, StartBlocked
+from taut.errors import GoalBlocked, SceneError, StartBlocked, rounded_down
 from taut.scene import Circle, FloatArray, Line, Obstacle, Rectangle, Robot, Scene
 
 IntArray = NDArray[np.int64]
@@ -283,7 +283,8 @@ def _too_near(scene: Scene, k: int, room: float, what: str) -> str:
     needs = f"needs {growth:.6g} m (radius {robot.radius:.6g} + clearance {growth - robot.radius:.6g})"
     if room < 0:
         return f"lies inside {what} by {_metres(-room)} m" + (f" and {needs} from it" if growth else "") + "; move it"
-    return f"is only {_metres(room, growth)} m from {what} but {needs}; move it"
+    fits = f" or keep a clearance of at most {rounded_down(room - robot.radius)} m" if room > robot.radius else ""
+    return f"is only {_metres(room, growth)} m from {what} but {needs}; move it{fits}"
 
 
 def _check_point_robots(scene: Scene) -> None:

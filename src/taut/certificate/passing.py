@@ -95,7 +95,7 @@ def _thin_pairs(shapes: Shapes, tol: float) -> IntArray:
     straight = (radius[a] == 0) & (radius[b] == 0)
     meet, sharp = _corners(shapes.edges[a], shapes.edges[b])
     follow = meet & (owner[a] == owner[b])
-    near = (room <= width) & (straight | (room >= -width))
+    near: BoolArray = (room <= width) & (straight | (room >= -width))
     near &= np.where(follow, straight & sharp, ~(straight & _cross_plainly(shapes.edges[a], shapes.edges[b], width)))
     lean = np.flatnonzero((radius > 0) & (radius <= width))
     return np.concatenate([np.stack([a[near], b[near]], axis=1), np.stack([lean, lean], axis=1)])
@@ -124,11 +124,10 @@ def _cross_plainly(a: FloatArray, b: FloatArray, width: float) -> BoolArray:
         one, two = (((other[:, at : at + 2] - side[:, :2]) * across).sum(axis=1) for at in (0, 2))
         reach = np.hypot(*(other[:, 2:] - other[:, :2]).T)
         apart = np.minimum(np.abs(one), np.abs(two)) > 2 * width
-        steep: BoolArray = np.abs(one - two) > np.sin(_SHARP) * reach
-        return (one * two < 0) & apart & steep
+        crossed: BoolArray = (one * two < 0) & apart & (np.abs(one - two) > np.sin(_SHARP) * reach)
+        return crossed
 
-    plain: BoolArray = beside(a, b) & beside(b, a)
-    return plain
+    return beside(a, b) & beside(b, a)
 
 
 def _legs(tracks: Tracks, robots: IntArray) -> tuple[IntArray, IntArray]:
@@ -162,14 +161,20 @@ def _followed(outlines: _Outlines, legs: FloatArray, doubtful: BoolArray) -> tup
         if not doubtful[n]:
             side = side[:0]
             continue
-        for start, end, half in ((a, a, _SQUARE), (a, b, _CORRIDOR), (b, b, _SQUARE)):
-            free = _free_pieces(outlines, _cell(start, end, half))
+        for free in (_at(outlines, a), _free_pieces(outlines, _cell(a, b, _CORRIDOR)), _at(outlines, b)):
             reached = _meeting(free, side) if len(side) else free
             if len(free) and not len(reached):
                 return n, _farthest(side, a, b)
             # where all is thinner than a strip nothing tells the sides apart: on from where it was
             side = reached if len(free) else side
     return None
+
+
+def _at(outlines: _Outlines, place: FloatArray) -> Pieces:
+    """Free pieces of the square about a place that are within tol of it."""
+    free = _free_pieces(outlines, _cell(place, place, _SQUARE))
+    near: Pieces = free[shapely.dwithin(free, shapely.Point(place), 1.0 + 2.0 * _STRIP)]
+    return near
 
 
 def _cell(a: FloatArray, b: FloatArray, half: float) -> shapely.Polygon:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
@@ -70,6 +71,9 @@ def compare(
             report, tell = _once(world, ways, seed, figure, robots or len(world.robots) <= FEW_ROBOTS)
     if as_json:
         say_json(report)
+        return
+    if not world.robots:
+        say("no robots: there are no routes to compare")
         return
     tell()
     for name in report["files"]:
@@ -169,8 +173,6 @@ def _clearances(text: str) -> tuple[float, ...]:
 
 def _report(found: Comparison) -> Report:
     """Return all of a comparison as plain data."""
-    import math
-
     shortest = [None if math.isnan(length) else length for length in found.shortest.tolist()]
     team = [
         {"name": robot.name, "shortest": length} for robot, length in zip(found.scene.robots, shortest, strict=True)
@@ -208,11 +210,14 @@ def _say_comparison(found: Comparison, each: bool) -> None:
         for s in sums
     ]
     say_table(heads, rows, left=("way",))
+    if any(0 < s.solved < s.robots for s in sums):
+        say("(of the robots that a way solves)")
     say()
-    heads = ["way", "vertices", "edges", "obstacles", "build (ms)", "query (ms)"]
+    heads = ["way", "turning (°)", "vertices", "edges", "obstacles", "build (ms)", "query (ms)"]
     rows = [
         [
             s.way,
+            _shown(s.mean_turning, ".0f", 180 / math.pi),
             _shown(s.vertices, ".0f"),
             _shown(s.edges, ".0f"),
             _shown(s.obstacles, ".1f"),
@@ -330,4 +335,7 @@ def _quartiles(spread: Report | None, form: str, unit: float = 1.0) -> str:
 
 
 def _shown(value: float | None, form: str, unit: float = 1.0) -> str:
-    return MISSING if value is None else format(unit * value, form)
+    if value is None:
+        return MISSING
+    text = format(unit * value, form)
+    return text.removeprefix("-") if float(text) == 0 else text

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,7 +44,14 @@ STRAYING = 20.0  # maps: up to this far off the map, faulty plans are shown whol
 SOME_ROBOTS = 60  # up to this many are joined to their goals in the picture of a scene
 
 
-def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float | None = None) -> Axes:
+def draw(
+    value: Any,
+    ax: Axes | None = None,
+    *,
+    graph: Any = None,
+    time: float | None = None,
+    routes: Mapping[str, Any] | None = None,
+) -> Axes:
     """Draw a scene, plan, roadmap, free space or route in metres.
 
     Parameters
@@ -54,6 +61,7 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
     ax : matplotlib Axes to draw on; a new figure of fitting size if None (it does not touch pyplot).
     graph : anything with `positions` and `edges`, drawn thin and grey under robots and paths.
     time : seconds; shows the robots of a plan as solid discs where they are then.
+    routes : of robots of a scene, by name; those of CA and OCA are shown with all that they were made of.
 
     Returns
     -------
@@ -62,7 +70,10 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
     Raises
     ------
     TypeError
-        A value of another kind, `time` with anything but a plan, or `graph` with a stage.
+        A value of another kind, `time` with anything but a plan, `routes` with anything but a scene, `graph` with a
+        stage or with routes.
+    ValueError
+        A route of a robot that the scene does not have.
     OutputError
         Coordinates with which no picture can be made.
     """
@@ -71,6 +82,8 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
         value = getattr(value, "plan", value)
     if time is not None and not isinstance(value, Plan):
         raise TypeError(f"time= needs a Plan, got {type(value).__name__}")
+    if routes is not None and not (isinstance(value, Scene) and graph is None):
+        raise TypeError(f"routes= needs a Scene and no graph=, got {type(value).__name__}")
     if graph is not None and stage:
         raise TypeError(f"graph= does not go with a {type(value).__name__}, which shows its own graph")
     view = _view(value)
@@ -82,6 +95,14 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
         from taut.figures.stages import draw_stage
 
         draw_stage(ax, value)
+    elif routes is not None:
+        from taut.figures.central import draw_routes
+
+        draw_routes(ax, value, routes)
+    elif _is_central(value):
+        from taut.figures.central import draw_route
+
+        draw_route(ax, value)
     elif isinstance(value, Plan):
         _draw_plan(ax, within_reach(value, view), graph, time)
     elif isinstance(value, Scene):
@@ -94,6 +115,10 @@ def draw(value: Any, ax: Axes | None = None, *, graph: Any = None, time: float |
 def _is_stage(value: Any) -> bool:
     # by where it comes from: importing the planner to draw a map would cost a second
     return type(value).__module__ == "taut.team.stages"
+
+
+def _is_central(value: Any) -> bool:
+    return type(value).__module__ in ("taut.route.central", "taut.route.oca") and hasattr(value, "points")
 
 
 def _view(value: Any) -> View:
@@ -111,6 +136,10 @@ def _view(value: Any) -> View:
         return view_of(np.vstack([near, np.array(value.scene.workspace)])) if (near == points).all() else box
     if isinstance(value, Scene):
         return scene_view(value)
+    if _is_central(value):
+        if hasattr(value, "freespace"):
+            return scene_view(value.freespace.scene)
+        return view_of(np.vstack([value.roadmap.positions, *(waypoint.place for waypoint, _ in value.dropped)]))
     scene = getattr(value, "scene", None)
     if isinstance(scene, Scene):
         return scene_view(scene)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,9 @@ NO_STAMPS: dict[str, dict[str, None]] = {
 }
 
 
-def save_figure(value: Any, path: str | os.PathLike[str], *, graph: Any = None) -> None:
+def save_figure(
+    value: Any, path: str | os.PathLike[str], *, graph: Any = None, routes: Mapping[str, Any] | None = None
+) -> None:
     """Draw a value (see `draw`) into a .png (200 dpi), .svg or .pdf file.
 
     The same value gives the same bytes. The file is written beside its place and then renamed.
@@ -38,7 +40,7 @@ def save_figure(value: Any, path: str | os.PathLike[str], *, graph: Any = None) 
     target = Path(path)
     kind = check_kind(target, tuple(NO_STAMPS), "pictures are written as")
     with replacing(target) as scratch:
-        scratch.write_bytes(_bytes(draw(value, graph=graph), kind, 200))
+        scratch.write_bytes(_bytes(draw(value, graph=graph, routes=routes), kind, 200))
 
 
 def png_bytes(value: Any) -> bytes:

@@ -6,20 +6,19 @@ Source: F. A. S. Alwafi, Social Graphs and Their Applications to Robotics, secti
 
 from __future__ import annotations
 
-import contextlib
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from taut.errors import NoPath, SceneError
+from taut.errors import GoalBlocked, NoPath, SceneError, StartBlocked
 from taut.freespace import FreeSpace
 from taut.graph import Graph, dijkstra
 from taut.roadmap import Roadmap
 from taut.route import _hit_kernels
 from taut.route.core import Route
 from taut.route.hits import Hit, Solid, depth_in, hits_of, solid_of, spans_in, wall_of
-from taut.route.obstacles import ObstacleIndex, indexed, obstacles_near
+from taut.route.obstacles import ObstacleIndex, indexed, obstacles_near, too_near
 from taut.scene import FloatArray, Point, Robot, Scene
 
 
@@ -164,8 +163,13 @@ def _require_free_ends(index: ObstacleIndex, robot: Robot, growth: float) -> Non
     ends = (obstacles_near(index, [end], growth) for end in (robot.start, robot.goal))
     near = np.unique(np.concatenate([*ends]))
     scene = index.scene.with_obstacles([index.scene.obstacles[k] for k in near])
-    with contextlib.suppress(NoPath):
+    try:
         FreeSpace(scene, growth).require(robot)
+    except (StartBlocked, GoalBlocked) as error:
+        place = robot.start if isinstance(error, StartBlocked) else robot.goal
+        raise too_near(index, type(error), place, growth, robot) from None
+    except NoPath:
+        pass
 
 
 def _crossed(solid: Solid, baseline: FloatArray, growth: float, tol: float) -> Crossed | None:

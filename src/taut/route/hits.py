@@ -72,13 +72,20 @@ def hits_of(world: Scene | ObstacleIndex, points: ArrayLike, growth: float) -> t
     tuple of Hit
         In the order of the path, each obstacle once.
 
+    Raises
+    ------
+    ValueError
+        ``points`` are not finite (k ≥ 1, 2), or ``growth`` is negative or not finite.
+
     >>> from taut.scene import Circle
     >>> hits_of(Scene((0, 0, 8, 4), [Circle((4, 2), 1, "pillar")]), [(1, 2), (7, 2)], growth=0.5)
     (Hit(obstacles=('pillar',), place=(2.5, 2.0), leg=0),)
     """
     path = points_of(points, "points")
-    if not len(path):
-        raise ValueError("a path has at least one point")
+    if not len(path) or not np.isfinite(path).all():
+        raise ValueError("a path has at least one point, and all of its coordinates are finite")
+    if not (growth >= 0 and math.isfinite(growth)):
+        raise ValueError(f"growth must be a finite number of metres ≥ 0, got {growth!r}")
     index = indexed(world)
     scene = index.scene
     near = obstacles_near(index, path, growth)

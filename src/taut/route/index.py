@@ -94,7 +94,7 @@ class Paths:
         if not isinstance(k, Integral):
             raise TypeError(f"paths are taken one by one, by their number; got {k!r}")
         if not -len(self) <= k < len(self):
-            raise IndexError(f"there is no path {k}: there are {len(self)}, counted from 0")
+            raise IndexError(f"path {k} of {len(self)}")
         k %= len(self)
         return self.points[self.start[k] : self.start[k + 1]]
 

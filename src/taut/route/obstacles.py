@@ -8,10 +8,10 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from taut.errors import SceneError
+from taut.errors import GoalBlocked, SceneError, StartBlocked, rounded_down
 from taut.geometry.cores import Shapes, cores_of
 from taut.geometry.triangulation import Floats, Ints
-from taut.scene import Scene
+from taut.scene import Point, Robot, Scene
 
 NEAR = 16.0
 """Things within so many tolerances of each other count as near; a little more is no harm."""
@@ -129,6 +129,46 @@ def obstacles_beside(index: ObstacleIndex, numbers: Ints, count: int, but: Ints)
     distance = np.full(len(boxes), np.inf)
     np.minimum.at(distance, other, shapely.distance(boxes[numbers[given]], boxes[other]))
     return found[np.argsort(distance[found], kind="stable")[:count]].astype(np.int64)
+
+
+def too_near(
+    index: ObstacleIndex,
+    error: type[StartBlocked] | type[GoalBlocked],
+    place: Point,
+    growth: float,
+    robot: Robot | None = None,
+) -> StartBlocked | GoalBlocked:
+    """Return the error that says what a start or goal is too near to and how much clearance would fit the robot."""
+    word = "start" if error is StartBlocked else "goal"
+    who = "" if robot is None else f"robot {robot.name}: "
+    where = f"{who}{word} ({place[0]:g}, {place[1]:g})"
+    needed = f"{growth:g} m"
+    if robot is not None:
+        needed += f" (radius {robot.radius:g} + clearance {growth - robot.radius:g})"
+    here = shapely.Point(place)
+    wall = shapely.Polygon(index.scene.workspace)
+    if not wall.covers(here):
+        return error(f"{where} lies outside the workspace; move it inside")
+    near = obstacles_near(index, [place], growth)
+    cores, own_radius = index.cores[near], index.own_radius[near]
+    solid = shapely.contains_properly(cores, here)
+    depth = shapely.distance(shapely.boundary(cores), here)
+    rooms = np.append(np.where(solid, -depth, shapely.distance(cores, here) - own_radius), wall.exterior.distance(here))
+    names = [*(f"obstacle {index.scene.obstacles[k].name}" for k in near), "the wall"]
+    order = [k for k in np.argsort(rooms, kind="stable") if rooms[k] < growth]
+    if not order:
+        return error(f"{where} has no room but a gap of zero width, or where rounded corners meet; move it")
+    room = float(rooms[order[0]])
+    others = f" (and too near to {', '.join(names[k] for k in order[1:4])})" if len(order) > 1 else ""
+    if room < 0:
+        return error(f"{where} lies inside {names[order[0]]}{others}; move it")
+    short = f"{where} is only {room:.6g} m from {names[order[0]]}{others} but needs {needed}"
+    if robot is None:
+        return error(f"{short}; move it")
+    if room - robot.radius <= index.scene.tol:
+        return error(f"{short}; move it, no clearance would fit")
+    fits = rounded_down(room - robot.radius + index.scene.tol / 2)
+    return error(f"{short}; move it or keep a clearance of at most {fits} m")
 
 
 def _polyline(points: Floats) -> shapely.Geometry:

@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike
 
 from taut.errors import GoalBlocked, NoPath, SceneError, StartBlocked
@@ -20,7 +19,7 @@ from taut.freespace import FreeSpace
 from taut.geometry.triangulation import Floats, Ints
 from taut.route.core import Route
 from taut.route.direct import shortest_path
-from taut.route.obstacles import ObstacleIndex, indexed, obstacles_beside, obstacles_near
+from taut.route.obstacles import ObstacleIndex, indexed, obstacles_beside, obstacles_near, too_near
 from taut.route.passage import Passage, widest_passage
 from taut.scene import FloatArray, Robot, Scene
 
@@ -167,7 +166,8 @@ def oca_between(
     try:
         return _search(index, index.scene, ends, growth, arc_error)
     except (StartBlocked, GoalBlocked) as error:
-        raise _blocked(index, type(error), ends, growth, "", f"{growth:g} m") from None
+        blocked = type(error)
+        raise too_near(index, blocked, tuple(ends[0 if blocked is StartBlocked else 1].tolist()), growth) from None
 
 
 def _clearance(scene: Scene, robot: Robot) -> float:
@@ -195,8 +195,8 @@ def _solved(index: ObstacleIndex, scene: Scene, robot: Robot, arc_error: float) 
     except NoPath as error:
         raise NoPath(robot.name, error.reason) from None
     except (StartBlocked, GoalBlocked) as error:
-        needed = f"{growth:g} m (radius {robot.radius:g} + clearance {clearance:g})"
-        raise _blocked(index, type(error), ends, growth, f"robot {robot.name}: ", needed, robot.radius) from None
+        place = robot.start if isinstance(error, StartBlocked) else robot.goal
+        raise too_near(index, type(error), place, growth, robot) from None
     return replace(found, clearance=clearance, wanted=clearance)
 
 
@@ -260,47 +260,3 @@ def _widest(index: ObstacleIndex, robot: Robot, arc_error: float) -> OcaRoute:
         else:
             return replace(found, passage=passage)
     return replace(_solved(index, *_with_clearance(index.scene, robot, 0.0), arc_error), passage=passage)
-
-
-def _blocked(
-    index: ObstacleIndex,
-    error: type[StartBlocked] | type[GoalBlocked],
-    ends: Floats,
-    growth: float,
-    who: str,
-    needed: str,
-    radius: float | None = None,
-) -> StartBlocked | GoalBlocked:
-    """Say what a start or goal is too near to and, of a robot with a radius, how much clearance would fit."""
-    word, place = ("start", ends[0]) if error is StartBlocked else ("goal", ends[1])
-    where = f"{who}{word} ({place[0]:g}, {place[1]:g})"
-    here = shapely.Point(place)
-    wall = shapely.Polygon(index.scene.workspace)
-    if not wall.covers(here):
-        return error(f"{where} lies outside the workspace; move it inside")
-    near = obstacles_near(index, place[None], growth)
-    cores, own_radius = index.cores[near], index.own_radius[near]
-    solid = shapely.contains_properly(cores, here)
-    depth = shapely.distance(shapely.boundary(cores), here)
-    rooms = np.append(np.where(solid, -depth, shapely.distance(cores, here) - own_radius), wall.exterior.distance(here))
-    names = [*(f"obstacle {index.scene.obstacles[k].name}" for k in near), "the wall"]
-    order = [k for k in np.argsort(rooms, kind="stable") if rooms[k] < growth]
-    if not order:
-        return error(f"{where} has no room but a gap of zero width, or where rounded corners meet; move it")
-    room = float(rooms[order[0]])
-    others = f" (and too near to {', '.join(names[k] for k in order[1:4])})" if len(order) > 1 else ""
-    if room < 0:
-        return error(f"{where} lies inside {names[order[0]]}{others}; move it")
-    short = f"{where} is only {room:.6g} m from {names[order[0]]}{others} but needs {needed}"
-    if radius is None:
-        return error(f"{short}; move it")
-    if room - radius <= index.scene.tol:
-        return error(f"{short}; move it, no clearance would fit")
-    fits = _rounded_down(room - radius + index.scene.tol / 2)
-    return error(f"{short}; move it or keep a clearance of at most {fits:g} m")
-
-
-def _rounded_down(x: float) -> float:
-    """Cut to four digits."""
-    unit = 10.0 ** (math.floor(math.log10(x)) - 3) if x > 0 else 1.0
-    return math.floor(x / unit) * unit

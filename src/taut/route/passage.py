@@ -42,8 +42,8 @@ class Passage:
 def widest_passage(scene: Scene, a: ArrayLike, b: ArrayLike) -> Passage:
     """Find the greatest distance from all obstacles and the wall that some way from a to b keeps.
 
-    Where obstacles separate the two the clearance is 0, and ``between`` tells what shuts them in. Gaps narrower than
-    the scene's tolerance count as closed.
+    Where obstacles separate the two the clearance is 0, and ``between`` tells what shuts them in; but an end that
+    touches something is narrower than anything else. Gaps narrower than the scene's tolerance count as closed.
 
     Parameters
     ----------
@@ -73,6 +73,8 @@ def widest_passage(scene: Scene, a: ArrayLike, b: ArrayLike) -> Passage:
     """
     sides = _sides_of(scene)
     narrower = min(_end(scene, sides, a, "start"), _end(scene, sides, b, "goal"), key=lambda end: end.clearance)
+    if narrower.clearance <= scene.tol:
+        return narrower
     line = np.array([a, b], dtype=np.float64).ravel()
     found = _first_closed(sides, line, narrower.clearance, scene.tol)
     return narrower if found is None else _between(sides, *found, scene.tol)
@@ -135,7 +137,8 @@ def _end(scene: Scene, sides: _Sides, place: ArrayLike, word: str) -> Passage:
     k = int(np.argmin(np.where(sides.owner == worst, distance, np.inf)))
     share = min(sides.radius[k] / distance[k], 1.0) if distance[k] > 0 else 0.0
     nearest = feet[k] + share * (point - feet[k])
-    return Passage(max(float(room[worst]), 0.0), (word, name), (x, y), np.stack([point, nearest]))
+    clearance = float(room[worst])
+    return Passage(clearance if clearance > 0 else 0.0, (word, name), (x, y), np.stack([point, nearest]))
 
 
 def _first_closed(sides: _Sides, line: FloatArray, bound: float, tol: float) -> tuple[int, int] | None:

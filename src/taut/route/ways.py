@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from taut.errors import NoPath
 from taut.freespace import FreeSpace
@@ -28,6 +28,8 @@ from taut.route.shortest import shortest_routes
 from taut.route.smoothing import smoothed
 from taut.route.widest import widest_routes
 from taut.scene import Robot, Scene
+
+_Found = TypeVar("_Found", bound=Route)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +124,7 @@ def _lazy_prm(scene: Scene, growth: float, seed: int) -> Prepared:
     freespace = FreeSpace(scene, growth)
 
     def ask(robot: Robot) -> Answer:
-        route = lazy_route(freespace, robot.start, robot.goal, seed=seed)
+        route = _of(robot, lambda r: lazy_route(freespace, r.start, r.goal, seed=seed))
         return Answer(route, len(scene.obstacles), lambda: (len(route.positions) + 2, int(route.tested.sum())))
 
     return Prepared(None, ask)
@@ -138,7 +140,7 @@ def _potential(scene: Scene, growth: float, seed: int) -> Prepared:
     freespace = FreeSpace(scene, growth)
 
     def ask(robot: Robot) -> Answer:
-        route = potential_path(freespace, robot.start, robot.goal)
+        route = _of(robot, lambda r: potential_path(freespace, r.start, r.goal))
         if route.stuck_at is not None:
             x, y = route.stuck_at
             held = f", held by {' and '.join(route.held_by)}" if route.held_by else ""
@@ -160,12 +162,17 @@ def _on(scene: Scene, freespace: FreeSpace, roadmap: Roadmap, find: Callable[[Ro
 
     def ask(robot: Robot) -> Answer:
         freespace.require(robot)
-        try:
-            return Answer(find(robot), obstacles, lambda: (graph.n + 2, graph.m))
-        except NoPath as error:
-            raise NoPath(robot.name, error.reason) from None
+        return Answer(_of(robot, find), obstacles, lambda: (graph.n + 2, graph.m))
 
     return Prepared(roadmap, ask)
+
+
+def _of(robot: Robot, find: Callable[[Robot], _Found]) -> _Found:
+    """What is found for a robot; an error that there is no path names it."""
+    try:
+        return find(robot)
+    except NoPath as error:
+        raise NoPath(robot.name, error.reason) from None
 
 
 WAYS: Mapping[str, Way] = MappingProxyType(

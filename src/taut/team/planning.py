@@ -94,13 +94,7 @@ def plan(
         raise SceneError(f"method {method!r} is not one of {', '.join(METHODS)}")
     if order not in ORDERS:
         raise SceneError(f"order {order!r} is not one of {', '.join(ORDERS)}")
-    most = MOST_ROUNDS if rounds is None else rounds
-    if not isinstance(most, int) or most < 1:
-        raise SceneError(f"rounds must be at least 1, got {rounds}")
-    if not isinstance(seed, int) or seed < 0:
-        raise SceneError(f"seed must be at least 0, got {seed}")
-    if seconds is not None and not seconds > 0:
-        raise SceneError(f"seconds must be positive, got {seconds}")
+    most, until = limits(began, seed, rounds, seconds)
     weigh = _weight(method, weight)
     if split is not None and method != "mrppa":
         raise SceneError('split belongs to the method "mrppa"')
@@ -114,7 +108,6 @@ def plan(
     world = World(scene, roadmap, seed)
     first = first_order(scene, world.shortest, order)
     graph_stages = mrppa_stages(scene, first, weigh, split) if method == "mrppa" else ()
-    until = math.inf if seconds is None else began + seconds
     best, done = plan_rounds(world, first, np.random.default_rng(seed), most, until, progress)
     if best.failures:
         raise no_plan_found(scene, best, done)
@@ -131,6 +124,24 @@ def plan(
     names = [robot.name for robot in scene.robots]
     sequence = SequenceStage(final, tuple(names[i] for i in best.order), dict(zip(names, met, strict=True)))
     return Result(final, certificate, notes, world.shortest, tuple(map(why_later, met)), (*graph_stages, sequence))
+
+
+def limits(began: float, seed: int, rounds: int | None, seconds: float | None) -> tuple[int, float]:
+    """Greatest number of rounds, and until when by the monotonic clock planning may go on.
+
+    Raises
+    ------
+    SceneError
+        One of them, or the seed, makes no sense.
+    """
+    most = MOST_ROUNDS if rounds is None else rounds
+    if not isinstance(most, int) or most < 1:
+        raise SceneError(f"rounds must be at least 1, got {rounds}")
+    if not isinstance(seed, int) or seed < 0:
+        raise SceneError(f"seed must be at least 0, got {seed}")
+    if seconds is not None and not seconds > 0:
+        raise SceneError(f"seconds must be positive, got {seconds}")
+    return most, math.inf if seconds is None else began + seconds
 
 
 def certified(world: World, done: Round, planner: Mapping[str, object]) -> tuple[Plan, Certificate]:

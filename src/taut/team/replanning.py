@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,8 +13,8 @@ from taut.errors import SceneError
 from taut.motion import Plan, Trajectory
 from taut.route import WAYS
 from taut.scene import Robot, Scene
-from taut.team.planning import certified, first_order
-from taut.team.prioritized import MOST_ROUNDS, Round, no_plan_found, plan_rounds
+from taut.team.planning import certified, first_order, limits
+from taut.team.prioritized import Round, no_plan_found, plan_rounds
 from taut.team.world import World
 from taut.validation import validate
 
@@ -70,11 +69,12 @@ def replan(
     ('R2',)
     """
     began = time.monotonic()
+    if not isinstance(plan, Plan):
+        raise TypeError(f"replan wants a Plan and a Scene, not a {type(plan).__name__}; pass result.plan")
+    most, until = limits(began, seed, rounds, seconds)
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
-    most = MOST_ROUNDS if rounds is None else rounds
-    until = math.inf if seconds is None else began + seconds
     known, reasons = _known(plan, scene)
     reasons |= _broken(scene, known)
     roadmap = str(plan.planner.get("roadmap"))

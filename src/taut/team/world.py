@@ -17,8 +17,8 @@ from taut.roadmap import (
     shared_roadmap,
     visibility_graph,
 )
-from taut.route import WAYS, Route, attach, direct_lengths, routes_between, shortest_routes
-from taut.scene import Scene
+from taut.route import WAYS, CentralRoute, Route, attach, direct_lengths, routes_between, shortest_routes
+from taut.scene import Robot, Scene
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
 
@@ -64,7 +64,7 @@ class World:
                     self._joined[i] = ends.corners_of(2 * k), ends.corners_of(2 * k + 1)
             else:
                 prepared = WAYS[way](scene, growth, seed)
-                found = [prepared.ask(robots[i]).route for i in group]
+                found = [_allowed(prepared.ask(robots[i]).route, robots[i]) for i in group]
                 starts, goals = ([getattr(robots[i], end) for i in group] for end in ("start", "goal"))
                 shortest[group] = direct_lengths(freespace, starts, goals)[0]
                 roadmap = prepared.roadmap
@@ -155,3 +155,11 @@ class World:
         near = np.sort(self._nearby.query(line, predicate="dwithin", distance=float(keeps.max())))
         near = near[near // 2 != i]
         return np.asarray(near[shapely.distance(line, shapely.points(self._ends[near])) < keeps[near]])
+
+
+def _allowed(route: Route, robot: Robot) -> Route:
+    if isinstance(route, CentralRoute) and not route.free:
+        hit = route.hits[0]
+        what, (x, y) = " and ".join(hit.obstacles), hit.place
+        raise NoPath(robot.name, f"the Central Algorithm's path hits {what} at ({x:.4g}, {y:.4g})")
+    return route
