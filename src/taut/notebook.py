@@ -12,6 +12,8 @@ SHOWN = (
     ("taut.roadmap.visibility", "VisibilityGraph"),
     ("taut.roadmap.places", "PlacesRoadmap"),
     ("taut.route.core", "Route"),
+    ("taut.route.central", "CentralRoute"),
+    ("taut.route.oca", "OcaRoute"),
     ("taut.team.stages", "FreeSpaceStage"),
     ("taut.team.stages", "ObstacleGraphStage"),
     ("taut.team.stages", "SplitStage"),

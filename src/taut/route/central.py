@@ -154,7 +154,7 @@ def central_path(world: Scene | ObstacleIndex, robot: Robot | str, delta: float 
         else:
             kept.append(waypoint)
     roadmap = _joined(np.array([*baseline.tolist(), *(w.place for w in kept)]), [*solids, wall], growth, tol)
-    points = _shortest(traveller, roadmap, crossed)
+    points = _shortest(traveller, roadmap, crossed, tol)
     return CentralRoute(points, baseline, crossed, tuple(kept), tuple(dropped), roadmap, hits_of(index, points, growth))
 
 
@@ -223,8 +223,11 @@ def _joined(positions: FloatArray, solids: list[Solid], growth: float, tol: floa
     return Roadmap(positions, Graph.from_edges(len(positions), pairs, lengths))
 
 
-def _shortest(robot: Robot, roadmap: Roadmap, crossed: tuple[Crossed, ...]) -> FloatArray:
-    distance, before = dijkstra(roadmap.graph, 0)
+def _shortest(robot: Robot, roadmap: Roadmap, crossed: tuple[Crossed, ...], tol: float) -> FloatArray:
+    graph = roadmap.graph
+    # left and right of the baseline are mirror images: rounding must not decide between them
+    unit = 2.0 ** math.floor(math.log2(tol))
+    distance, before = dijkstra(Graph(graph.indptr, graph.indices, np.round(graph.weights / unit) * unit), 0)
     if not math.isfinite(distance[1]):
         raise NoCentralPath(robot.name, crossed)
     path = [1]
