@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -155,10 +156,15 @@ def test_whatever_is_added_the_result_certifies_and_keeps_what_it_says(
 
 def test_bad_parameters_are_refused() -> None:
     scene = load_scene("thesis-1")
-    result = plan(scene)
-    for words, match in (({"rounds": 0}, "rounds"), ({"seconds": -1.0}, "seconds"), ({"seed": -1}, "seed")):
+    result: Any = plan(scene)
+    bad: list[tuple[dict[str, Any], str]] = [
+        ({"rounds": 0}, "rounds"),
+        ({"seconds": -1.0}, "sec"),
+        ({"seed": -1}, "seed"),
+    ]
+    for words, match in bad:
         with pytest.raises(SceneError, match=match):
-            replan(result.plan, scene, **words)  # type: ignore[arg-type]
-    for call in (lambda: replan(result, scene), lambda: with_obstacle(result, Circle((1, 1), 0.1))):  # type: ignore[call-overload]
+            replan(result.plan, scene, **words)
+    for call in (lambda: replan(result, scene), lambda: with_obstacle(result, Circle((1, 1), 0.1))):
         with pytest.raises(TypeError, match=r"not (to )?a Result"):
             call()
