@@ -365,3 +365,16 @@ def test_curves_end_where_nothing_is_solved() -> None:
     np.testing.assert_array_equal(drawn[:3], [one.entries[0].trials[0].length for one in found[:3]])
     assert np.isnan(drawn[3])
     assert len(above.patches) == 1  # and the rest is shaded
+
+
+@pytest.mark.parametrize("name", ["thesis-1", "thesis-2", "thesis-3", "appendix-d", "hospital-12"])
+def test_no_way_keeps_farther_from_everything_than_the_voronoi_roadmap(name: str) -> None:
+    found = compare(load_scene(name))
+    widest = next(entry for entry in found.entries if entry.way == "voronoi")
+    roadmaps: Any = widest.roadmaps
+    error = max(roadmap.error for roadmap in roadmaps.values())
+    for entry in found.entries:
+        for trial, best in zip(entry.trials, widest.trials, strict=True):
+            if trial.clearance is not None:
+                assert best.clearance is not None
+                assert trial.clearance <= best.clearance + error + found.scene.tol

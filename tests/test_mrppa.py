@@ -14,11 +14,11 @@ from threadpoolctl import threadpool_limits
 import taut
 from taut.errors import NoPath, SceneError
 from taut.formats import scene_names
-from taut.graph import Graph, spectrum
+from taut.graph import WEIGHTS, Graph, dijkstra, spectrum
 from taut.graph.core import Floats
 from taut.scene import Polygon, Rectangle, Robot, Scene
 from taut.team import Result
-from taut.team.ground import Bools, Ground
+from taut.team.ground import Bools, Ground, ground_of
 from taut.team.stages import (
     BridgeStage,
     FirstPathStage,
@@ -347,3 +347,13 @@ def test_weights_other_than_one_change_the_choice_and_bad_ones_are_refused() -> 
         taut.plan(scene, method="mrppa", weight=lambda d: d * 0)
     with pytest.raises(SceneError, match="mrppa"):
         taut.plan(scene, weight="one")
+
+
+def test_nobody_passes_through_the_start_of_another_where_free_space_merely_touches_itself() -> None:
+    rooms = [Rectangle(0, 2, 2, 2), Rectangle(2, 0, 2, 2)]
+    robots = [Robot("A", (2, 2), (1, 1)), Robot("B", (0.5, 1), (1, 0.5)), Robot("C", (3, 3), (3.5, 3.5))]
+    ground = ground_of(Scene((0, 0, 4, 4), rooms, robots, gap=0.1), 0.0, WEIGHTS["one"])
+    everything = np.ones(len(ground.roadmap.edges), dtype=np.bool_)
+    start = {name: int(ends[0]) for name, ends in zip(ground.robots, ground.ends, strict=True)}
+    reached = {name: dijkstra(ground.distances(everything, name), start[name])[0][start["C"]] for name in "AB"}
+    assert reached == {"A": pytest.approx(2**0.5), "B": np.inf}

@@ -41,6 +41,7 @@ class Ground:
     robots : names, in the order of the scene.
     ends : (r, 2) vertices of each robot's start and goal.
     left_out : how many vertices are not in the roadmap, because their room holds no robot of this size.
+    ends_only : (n,) starts and goals where free space touches itself: nobody else may pass through them.
     """
 
     freespace: FreeSpace
@@ -53,6 +54,7 @@ class Ground:
     robots: tuple[str, ...]
     ends: Ints
     left_out: int
+    ends_only: Bools
 
     @property
     def first_end(self) -> int:
@@ -63,9 +65,12 @@ class Ground:
         """Return the graph of these edges (m,) with the weights of λ2."""
         return Graph.from_edges(len(self.names), self.roadmap.edges[edges], self.weights[edges])
 
-    def distances(self, edges: Bools) -> Graph:
-        """Return the graph of these edges (m,) with their lengths."""
-        return Graph.from_edges(len(self.names), self.roadmap.edges[edges], self.roadmap.lengths[edges])
+    def distances(self, edges: Bools, robot: str) -> Graph:
+        """Return the graph of these edges (m,) with their lengths, less those that this robot may not use."""
+        barred = self.ends_only.copy()
+        barred[self.ends[self.robots.index(robot)]] = False
+        allowed = edges & ~barred[self.roadmap.edges].any(axis=1)
+        return Graph.from_edges(len(self.names), self.roadmap.edges[allowed], self.roadmap.lengths[allowed])
 
 
 def ground_of(scene: Scene, growth: float, weight: Weight) -> Ground:
@@ -114,6 +119,7 @@ def ground_of(scene: Scene, growth: float, weight: Weight) -> Ground:
         tuple(robot.name for robot in robots),
         renumbered[ends],
         int((~kept).sum()),
+        whole.ends_only[kept],
     )
 
 

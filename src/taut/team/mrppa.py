@@ -153,11 +153,11 @@ def _bridge(cut: SplitStage, edges: Bools, waiting: Sequence[str]) -> BridgeStag
     ground = cut.ground
     away = np.flatnonzero(~edges)
     pairs, lengths = ground.roadmap.edges[away], ground.roadmap.lengths[away]
-    graph = ground.distances(edges)
     tol = ground.freespace.scene.tol
     helps = np.zeros((len(waiting), len(away)), dtype=np.bool_)
     for k, robot in enumerate(waiting):
         start, goal = ground.ends[ground.robots.index(robot)].tolist()
+        graph = ground.distances(edges, robot)
         ahead, behind = dijkstra(graph, start)[0], dijkstra(graph, goal)[0]
         through = np.minimum(ahead[pairs[:, 0]] + behind[pairs[:, 1]], ahead[pairs[:, 1]] + behind[pairs[:, 0]])
         helps[k] = through + lengths < ahead[goal] - tol
@@ -193,7 +193,7 @@ def _paths(cut: SplitStage, edges: Bools, robots: Sequence[str]) -> Iterator[Fir
 def _first_path(cut: SplitStage, edges: Bools, robot: str) -> FirstPathStage | None:
     ground = cut.ground
     start, goal = ground.ends[ground.robots.index(robot)].tolist()
-    distance, before = dijkstra(ground.distances(edges), start)
+    distance, before = dijkstra(ground.distances(edges, robot), start)
     if not np.isfinite(distance[goal]):
         return None
     return FirstPathStage(ground, cut, edges, robot, np.array(path_to(before, goal)), float(distance[goal]))
@@ -201,6 +201,9 @@ def _first_path(cut: SplitStage, edges: Bools, robot: str) -> FirstPathStage | N
 
 def _lengths(ground: Ground, edges: Bools, robots: Sequence[str]) -> Floats:
     """Metres of each robot's shortest path."""
-    graph = ground.distances(edges)
     ends = [ground.ends[ground.robots.index(robot)].tolist() for robot in robots]
-    return np.array([dijkstra(graph, start)[0][goal] for start, goal in ends], dtype=np.float64)
+    found = [
+        dijkstra(ground.distances(edges, robot), start)[0][goal]
+        for robot, (start, goal) in zip(robots, ends, strict=True)
+    ]
+    return np.array(found, dtype=np.float64)
