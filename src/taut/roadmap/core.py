@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,28 @@ from taut.freespace import FreeSpace
 from taut.geometry.seeing import see_each_other
 from taut.graph import Graph
 from taut.graph.core import Floats, Ints
+
+
+class Arcs(NamedTuple):
+    """Directed edges in compressed sparse rows.
+
+    Parameters
+    ----------
+    indptr : (n + 1,) where the arcs out of each vertex begin.
+    indices : (a,) the vertex to which each leads.
+    lengths : (a,) metres.
+    limits : (a,) greatest speed on each, metres a second; inf where there is none.
+    """
+
+    indptr: Ints
+    indices: Ints
+    lengths: Floats
+    limits: Floats
+
+
+def both_ways(graph: Graph) -> Arcs:
+    """Return the edges of a roadmap's graph as arcs in both directions, without limits."""
+    return Arcs(graph.indptr, graph.indices, graph.weights, np.full(len(graph.indices), np.inf))
 
 
 @dataclass(frozen=True, eq=False)

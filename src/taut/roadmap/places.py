@@ -16,7 +16,7 @@ from taut.freespace import FreeSpace
 from taut.geometry.seeing import see_each_other, see_from
 from taut.geometry.triangulation import Floats, Ints, Triangulation
 from taut.graph import Graph
-from taut.roadmap.core import LocatedRoadmap
+from taut.roadmap.core import Arcs, LocatedRoadmap, both_ways
 from taut.roadmap.grid import lattice
 from taut.roadmap.visibility import VisibilityGraph, visibility_graph
 
@@ -33,10 +33,12 @@ class SharedRoadmap(LocatedRoadmap):
     ----------
     spacing : metres between neighbouring places, about.
     places : nearest-neighbour index of the places alone.
+    arcs : on what they move: the edges of the graph, in both directions unless the roadmap has one-way lanes.
     """
 
     spacing: float
     places: KDTree
+    arcs: Arcs
 
     @property
     def first_place(self) -> int:
@@ -73,7 +75,8 @@ def shared_roadmap(roadmap: LocatedRoadmap, separation: float) -> SharedRoadmap:
     """Return a roadmap on which robots may wait at every vertex."""
     spacing = spacing_for(roadmap.freespace, separation)
     tree = KDTree(roadmap.positions)
-    return SharedRoadmap(roadmap.positions, roadmap.graph, roadmap.freespace, roadmap.triangles, spacing, tree)
+    arcs = both_ways(roadmap.graph)
+    return SharedRoadmap(roadmap.positions, roadmap.graph, roadmap.freespace, roadmap.triangles, spacing, tree, arcs)
 
 
 def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
@@ -98,7 +101,7 @@ def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     edges = np.concatenate(pairs)
     lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
     graph = Graph.from_edges(len(positions), edges[lengths > 0], lengths[lengths > 0])
-    return PlacesRoadmap(positions, graph, freespace, holders, spacing, KDTree(places), tangents)
+    return PlacesRoadmap(positions, graph, freespace, holders, spacing, KDTree(places), both_ways(graph), tangents)
 
 
 def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:

@@ -29,13 +29,15 @@ class OwnRoadmap:
 
     Parameters
     ----------
-    positions : (k, 2) metres; first the start, then the goal.
+    positions : (k, 2) metres.
+    ends : vertices that are its start and its goal, of the shared ones or of these.
     edges : (e, 2) over the shared vertices 0 … n − 1 and these, n … n + k − 1.
     lengths : (e,) metres.
     pinched : whether free space touches itself at the start, and at the goal.
     """
 
     positions: Floats
+    ends: tuple[int, int]
     edges: Ints
     lengths: Floats
     pinched: tuple[bool, bool]
@@ -97,7 +99,7 @@ def own_roadmap(
     everything = np.concatenate([shared.positions, xy])
     lengths = np.hypot(*(everything[edges[:, 0]] - everything[edges[:, 1]]).T)
     at_start, at_goal = mesh.on_pinch(xy[:2]).tolist()
-    return OwnRoadmap(xy, edges[lengths > 0], lengths[lengths > 0], (at_start, at_goal))
+    return OwnRoadmap(xy, (n, n + 1), edges[lengths > 0], lengths[lengths > 0], (at_start, at_goal))
 
 
 def _stops(route: Route, spacing: float) -> FloatArray:

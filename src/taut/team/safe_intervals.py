@@ -49,8 +49,7 @@ def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory |
         robot.speed,
         robot.start_time,
         scene.stays(robot),
-        n,
-        n + 1,
+        *own.ends,
         own.pinched,
     )
     if not found:
