@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -15,7 +16,9 @@ from hypothesis import strategies as st
 
 from sound import core, faults, hemmed_in
 from taut.errors import SceneError
-from taut.generate import random_scene
+from taut.freespace import FreeSpace
+from taut.generate import random_scene, random_warehouse
+from taut.route import shortest_path
 from taut.scene import Circle, Line, Polygon, Rectangle, Scene
 from taut.validation import validate
 
@@ -262,3 +265,40 @@ def test_what_does_not_fit_is_said_in_one_line(asked: dict[str, Any], words: str
         random_scene(**asked)
     assert "\n" not in str(caught.value)
     assert "take a larger size" in str(caught.value)
+
+
+@pytest.mark.parametrize(("robots", "seed"), [(1, 0), (2, 3), (7, 1), (60, 2)])
+def test_in_a_warehouse_nobody_can_pass_and_everybody_has_a_way_past_all_ends(robots: int, seed: int) -> None:
+    scene = random_warehouse(robots, seed)
+    assert validate(scene) == ()
+    assert scene == random_warehouse(robots, seed)
+    first = scene.obstacles[0]
+    assert isinstance(first, Rectangle)
+    assert first.x < 4 * scene.robots[0].radius  # so wide is an aisle
+    discs = [
+        Circle(r.start if k == 0 else r.goal, 2 * r.radius + scene.gap - r.radius, name=f"{r.name} {k}")
+        for r in scene.robots
+        for k in range(2)
+    ]
+    for robot in scene.robots[:7]:
+        kept = [disc for disc in discs if not disc.name.startswith(f"{robot.name} ")]
+        apart = FreeSpace.of(replace(scene, obstacles=(*scene.obstacles, *kept)), robot)
+        assert shortest_path(apart, robot.start, robot.goal).length > 0
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"robots": 0}, "robots must be at least 1"),
+        ({"robots": 2.5}, "robots must be a whole number"),
+        ({"aisle": 0.6}, "aisle is 0.6 m wide, a robot with its clearance needs over 0.6 m"),
+        ({"cross": 0.1}, "cross is 0.1 m wide"),
+        ({"shelf": (1, 0.5)}, "shelves of 0.5 m are too short"),
+        ({"shelf": 3}, "shelf must be"),
+        ({"radius": 0}, "radius must be above 0"),
+        ({"gap": -1}, "gap must be 0 or more"),
+    ],
+)
+def test_a_warehouse_that_cannot_be_is_refused(asked: dict[str, Any], message: str) -> None:
+    with pytest.raises(SceneError, match=message):
+        random_warehouse(**asked)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from taut.figures import animate, draw, save_figure, save_stages
     from taut.formats import load_plan, load_scene, save
     from taut.freespace import FreeSpace
-    from taut.generate import random_scene
+    from taut.generate import random_scene, random_warehouse
     from taut.motion import Plan, Trajectory
     from taut.roadmap import (
         Roadmap,
@@ -116,6 +116,7 @@ __all__ = [
     "potential_path",
     "prepare",
     "random_scene",
+    "random_warehouse",
     "replan",
     "routes_along",
     "sampled_roadmap",
@@ -151,7 +152,7 @@ if not TYPE_CHECKING:
         "taut.figures": ("animate", "draw", "save_figure", "save_stages"),
         "taut.formats": ("load_plan", "load_scene", "save"),
         "taut.freespace": ("FreeSpace",),
-        "taut.generate": ("random_scene",),
+        "taut.generate": ("random_scene", "random_warehouse"),
         "taut.motion": ("Plan", "Trajectory"),
         "taut.roadmap": (
             "Roadmap",

@@ -34,6 +34,7 @@ app.command("show")(plan_commands.show)
 app.command("graph")(graph_command.graph)
 app.command("compare")(compare_command.compare)
 app.command("random")(scene_commands.random)
+app.command("random-warehouse")(scene_commands.random_warehouse)
 app.command("scenes")(scene_commands.scenes)
 app.command("warmup")(scene_commands.warmup)
 

@@ -1,10 +1,10 @@
-"""The commands about scenes: check, random, scenes, warmup."""
+"""The commands about scenes: check, random, random-warehouse, scenes, warmup."""
 
 from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
@@ -17,6 +17,14 @@ if TYPE_CHECKING:
     from taut.scene import Scene
 
 SCENES = (".yaml", ".yml", ".json", ".geojson")
+
+
+OutputOption: TypeAlias = Annotated[
+    Path | None, typer.Option("-o", "--output", metavar="SCENE", help="Write the scene (.yaml, .json, .geojson).")
+]
+SeedOption: TypeAlias = Annotated[int, typer.Option(min=0, help="Same numbers and seed: same scene.")]
+ClearanceOption: TypeAlias = Annotated[float, typer.Option(help="Kept free from obstacles and wall, m.")]
+GapOption: TypeAlias = Annotated[float, typer.Option(help="Kept free between robots, m.")]
 
 
 def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
@@ -47,12 +55,10 @@ def check(scene: SceneArgument, as_json: JsonOption = False) -> None:
 
 
 def random(
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="SCENE", help="Write the scene (.yaml, .json, .geojson).")
-    ] = None,
+    output: OutputOption = None,
     robots: Annotated[int, typer.Option(min=0, help="How many robots.")] = 10,
     obstacles: Annotated[int, typer.Option(min=0, help="How many obstacles.")] = 20,
-    seed: Annotated[int, typer.Option(min=0, help="Same numbers and seed: same scene.")] = 0,
+    seed: SeedOption = 0,
     size: Annotated[str | None, typer.Option(metavar="S|W,H", help="Side, or width and height of the hall, m.")] = None,
     density: Annotated[float | None, typer.Option(help="Share of the hall that obstacles cover.")] = None,
     obstacle_size: Annotated[
@@ -60,8 +66,8 @@ def random(
     ] = "1,4",
     radius: Annotated[str, typer.Option(metavar="R|R,R", help="Radius of the robots or its range, m.")] = "0.3",
     speed: Annotated[str, typer.Option(metavar="V|V,V", help="Speed of the robots or its range, m/s.")] = "1",
-    clearance: Annotated[float, typer.Option(help="Kept free from obstacles and wall, m.")] = 0.0,
-    gap: Annotated[float, typer.Option(help="Kept free between robots, m.")] = 0.05,
+    clearance: ClearanceOption = 0.0,
+    gap: GapOption = 0.05,
     leave: Annotated[bool, typer.Option("--leave", help="Robots leave at their goals instead of staying.")] = False,
     well_formed: Annotated[
         bool, typer.Option("--well-formed", help="Every robot has a way past all other starts and goals.")
@@ -70,7 +76,6 @@ def random(
 ) -> None:
     """Make a random scene; without --output print it."""
     require_writable(output, "a scene", SCENES)
-    from taut.formats import save
     from taut.generate import random_scene
 
     with progress("making a scene"):
@@ -88,6 +93,50 @@ def random(
             at_goal="leave" if leave else "stay",
             well_formed=well_formed,
         )
+    _hand_over(scene, output, as_json)
+
+
+def random_warehouse(
+    output: OutputOption = None,
+    robots: Annotated[int, typer.Option(min=1, help="How many robots.")] = 20,
+    seed: SeedOption = 0,
+    shelf: Annotated[str, typer.Option(metavar="W,H", help="Width and height of a shelf, m.")] = "1,4",
+    aisle: Annotated[float | None, typer.Option(help="Width of the aisles, m; one robot wide if not given.")] = None,
+    cross: Annotated[float | None, typer.Option(help="Width of the cross aisles, m; likewise.")] = None,
+    radius: Annotated[float, typer.Option(help="Radius of the robots, m.")] = 0.3,
+    speed: Annotated[float, typer.Option(help="Speed of the robots, m/s.")] = 1.0,
+    clearance: ClearanceOption = 0.0,
+    gap: GapOption = 0.05,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a random warehouse: shelves, and aisles one robot wide; without --output print it."""
+    require_writable(output, "a scene", SCENES)
+    from taut import generate
+
+    sides = _range(shelf, "--shelf")
+    if not isinstance(sides, tuple):
+        raise typer.BadParameter(
+            f"must be a width and a height with a comma between, got {shelf!r}", param_hint="--shelf"
+        )
+    with progress("making a scene"):
+        scene = generate.random_warehouse(
+            robots,
+            seed,
+            shelf=sides,
+            aisle=aisle,
+            cross=cross,
+            radius=radius,
+            speed=speed,
+            clearance=clearance,
+            gap=gap,
+        )
+    _hand_over(scene, output, as_json)
+
+
+def _hand_over(scene: Scene, output: Path | None, as_json: bool) -> None:
+    """Print a scene that was made, or write it and say so."""
+    from taut.formats import save
+
     if output is None:
         _print_scene(scene, as_json)
         return

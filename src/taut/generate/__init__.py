@@ -10,20 +10,21 @@ import numpy as np
 import shapely
 
 from taut.errors import SceneError
+from taut.generate.asked import finite, span, whole, within
 from taut.generate.ends import free_part, place_ends
 from taut.generate.hall import DISCS, Hall, roomy, square
 from taut.generate.obstacles import DRAW, Form, draw_forms, place_obstacles
+from taut.generate.warehouse import random_warehouse
 from taut.scene import AtGoal, FloatArray, Obstacle, Robot, Scene
 from taut.validation import validate
 
-__all__ = ["random_scene"]
+__all__ = ["random_scene", "random_warehouse"]
 
 Range: TypeAlias = float | tuple[float, float]
 
 _MOST = 1_000_000  # robots or obstacles
 _SIZES = (1e-6, 1e7)  # metres: beside smaller halls the margins, beside larger ones the robots are lost in rounding
 _SPARSEST = 1e-6
-_NUMBERS = (1e-9, 1e7)  # every other length, speed and time that is not zero
 _LARGER = 6  # halls of chosen size that are tried, each 15 % wider
 
 
@@ -81,12 +82,12 @@ def random_scene(
     >>> scene == random_scene(robots=3, obstacles=5, seed=1)
     True
     """
-    n, m, seed = _count(robots, "robots", _MOST), _count(obstacles, "obstacles", _MOST), _count(seed, "seed")
-    radii_range, speeds_range = _range(radius, "radius"), _range(speed, "speed", positive=True)
-    sizes_range = _range(obstacle_size, "obstacle_size", positive=True)
+    n, m, seed = whole(robots, "robots", _MOST), whole(obstacles, "obstacles", _MOST), whole(seed, "seed")
+    radii_range, speeds_range = span(radius, "radius"), span(speed, "speed", positive=True)
+    sizes_range = span(obstacle_size, "obstacle_size", positive=True)
     share = _density(density, m)
     for value, what in ((clearance, "clearance"), (gap, "gap"), (headway, "headway")):
-        _range(value, what)
+        span(value, what)
     given = Scene(
         (0, 0, 1, 1),
         name=f"random-{n}-{m}-{seed}" if name is None else name,
@@ -181,46 +182,10 @@ def _drawn(rng: np.random.Generator, span: tuple[float, float], count: int) -> F
     return np.clip(np.round(values, 3 - math.floor(math.log10(high))), low, high)
 
 
-def _count(value: Any, what: str, most: float = math.inf) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise SceneError(f"{what} must be a whole number, 0 or more, got {value!r}")
-    if value > most:
-        raise SceneError(f"{what} must be at most {most}, got {value}")
-    return int(value)
-
-
-def _finite(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise SceneError(f"{what} must be a number, got {value!r}") from None
-    if not math.isfinite(number):
-        raise SceneError(f"{what} must be a finite number, got {value!r}")
-    return number
-
-
-def _range(value: Any, what: str, positive: bool = False) -> tuple[float, float]:
-    ends = (value, value) if np.ndim(value) == 0 else tuple(value)
-    if len(ends) != 2:
-        raise SceneError(f"{what} must be a number or (lowest, highest), got {value!r}")
-    low, high = (_finite(end, what) for end in ends)
-    if low > high or low < 0 or (positive and low == 0):
-        raise SceneError(f"{what} must be {'above 0' if positive else '0 or more'}, lowest first, got {value!r}")
-    for end in (low, high):
-        if end:
-            _within(end, _NUMBERS, what, "")
-    return low, high
-
-
-def _within(value: float, span: tuple[float, float], what: str, unit: str) -> None:
-    if not span[0] <= value <= span[1]:
-        raise SceneError(f"{what} must be between {span[0]:g} and {span[1]:g}{unit}, got {value:g}")
-
-
 def _density(value: float | None, obstacles: int) -> float | None:
     if value is None:
         return None
-    number = _finite(value, "density")
+    number = finite(value, "density")
     if not 0 < number < 1:
         raise SceneError(f"density must be between 0 and 1, got {number:g}")
     if number < _SPARSEST:
@@ -244,9 +209,9 @@ def _given_hall(size: Any) -> Hall:
     sides = (size, size) if np.ndim(size) == 0 else tuple(size)
     if len(sides) != 2:
         raise SceneError(f"size must be a length in metres or (width, height), got {size!r}")
-    width, height = (_finite(side, "size") for side in sides)
+    width, height = (finite(side, "size") for side in sides)
     if width <= 0 or height <= 0:
         raise SceneError(f"size must be above 0 m, got {width:g} × {height:g}")
     for side in (width, height):
-        _within(side, _SIZES, "size", " m")
+        within(side, _SIZES, "size", " m")
     return Hall(width, height)
