@@ -92,6 +92,22 @@ def test_edge_conflict_keeps_its_promise_exactly(seed: int) -> None:
     assert 200 < found < 800  # both answers are tried
 
 
+@pytest.mark.deep
+@pytest.mark.parametrize("seed", range(100, 110))
+def test_conflicts_keep_their_promise_on_ten_thousand_pairs(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for number in range(10_000):
+        m = random_sliver(rng) if number % 5 == 0 else random_meeting(rng)
+        if number % 5 == 1:
+            result = rest_conflict(m.ax, m.ay, *m.arguments[5:])
+            m = rest(m)
+        else:
+            result = edge_conflict(*m.arguments)
+        assert broken_promise(m, *result) is None, (m, result)
+        if number % 10 == 2:
+            assert not unseen(m, result[1], result[2]), m
+
+
 def test_edge_conflict_keeps_its_promise_for_slivers() -> None:
     rng = np.random.default_rng(5)
     found = 0
@@ -144,21 +160,28 @@ def test_ends_equal_high_precision_bisection() -> None:
 
 def test_dense_sampling_sees_no_conflict_outside() -> None:
     rng = np.random.default_rng(30)
-    seen = 0
     for _ in range(400):
         m = random_meeting(rng)
         _, lo, hi = edge_conflict(*m.arguments)
-        sample = sampled_conflicts(m)
-        # a sampled time is a rounded time; positions move by that much
-        speed = max(
-            np.hypot(m.bx - m.ax, m.by - m.ay) / m.tau if m.tau else 0.0,
-            np.hypot(m.x1 - m.x0, m.y1 - m.y0) / (m.t1 - m.t0),
-        )
-        if speed * float(m.time_rounding) > float(m.quarter_tol) / 8:
-            continue
-        assert ((lo < sample) & (sample < hi)).all(), m
-        seen += len(sample)
-    assert seen > 1000
+        assert not unseen(m, lo, hi), m
+
+
+def test_dense_sampling_sees_conflicts() -> None:
+    rng = np.random.default_rng(30)
+    assert sum(unseen(random_meeting(rng), inf, -inf) for _ in range(400)) > 40
+
+
+def unseen(m: Meeting, lo: float, hi: float) -> bool:
+    """Whether dense sampling finds a conflict that is not between the two times."""
+    # a sampled time is a rounded time; positions move by that much
+    speed = max(
+        np.hypot(m.bx - m.ax, m.by - m.ay) / m.tau if m.tau else 0.0,
+        np.hypot(m.x1 - m.x0, m.y1 - m.y0) / (m.t1 - m.t0),
+    )
+    if speed * float(m.time_rounding) > float(m.quarter_tol) / 8:
+        return False
+    sample = sampled_conflicts(m)
+    return bool(((sample <= lo) | (sample >= hi)).any())
 
 
 @pytest.mark.parametrize("start", [0.0, 100.0])
