@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import dist, inf, isinf, nextafter
+from math import inf, isinf, nextafter
 
 from naive_conflicts import Meeting, closest, nearest_departure
 from taut.motion import Trajectory
@@ -65,8 +65,7 @@ def joined(stretches: Iterable[Stretch]) -> list[Stretch]:
 
 def earliest_arrival(
     positions: Sequence[Point],
-    edges: Iterable[tuple[int, int]],
-    speed: float,
+    arcs: Iterable[tuple[int, int, float]],
     legs: Sequence[Leg],
     headway: float,
     leave_after: float,
@@ -74,17 +73,13 @@ def earliest_arrival(
     start: int,
     goal: int,
 ) -> float:
-    """Return the earliest arrival at the goal, seconds; inf if there is none. Edges are driven both ways."""
+    """Return the earliest arrival at the goal, seconds; inf if there is none. Arcs are (from, to, seconds)."""
     free = [_free(forbidden_departures(p, p, 0.0, legs, headway)) for p in positions]
     reach = [[inf] * len(stretches) for stretches in free]
     for k, (lo, hi) in enumerate(free[start]):
         if lo == 0.0 and hi >= leave_after:
             reach[start][k] = leave_after
-    moves = []
-    for i, j in edges:
-        tau = dist(positions[i], positions[j]) / speed
-        for u, v in ((i, j), (j, i)):
-            moves.append((u, v, tau, forbidden_departures(positions[u], positions[v], tau, legs, headway)))
+    moves = [(u, v, tau, forbidden_departures(positions[u], positions[v], tau, legs, headway)) for u, v, tau in arcs]
     better = True
     while better:
         better = False

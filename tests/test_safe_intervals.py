@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,16 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from naive_search import Leg, earliest_arrival, forbidden_departures, legs_of, nearest
-from taut.graph import Graph
 from taut.motion import Trajectory
+from taut.roadmap.core import Arcs
 from taut.scene import AtGoal, Robot, Scene
-from taut.team import _conflict_kernels, _reservation_kernels, _search_kernels
+from taut.team import _conflict_kernels, _table_kernels
 from taut.team._conflict_kernels import Floats, Ints
-from taut.team._search_kernels import Adjacency
-from taut.team.reservations import NOBODY, Reservations
+from taut.team._table_kernels import Table
+from taut.team.own_roadmap import OwnRoadmap
+from taut.team.reservations import empty_table, roomier
+from taut.team.safe_intervals import Bench, Failure, empty_desk, hold_start, plan_robot, take
+from taut.team.team_arrays import Ground, team_on
 
 SIDE = 10.0
 AT_GOAL: tuple[AtGoal, AtGoal] = ("stay", "leave")
+NOTHING: Ints = np.empty(0, dtype=np.int64)
 
 
 # --- Intervals --------------------------------------------------------------------------------------------------------
@@ -30,29 +34,17 @@ whole = st.tuples(st.integers(0, 12), st.integers(1, 5)).map(lambda p: (float(p[
 
 
 @settings(deadline=None, max_examples=200)
-@given(st.lists(whole, max_size=8), st.integers(-2, 40).map(lambda k: k / 2))
-def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, float]], t: float) -> None:
+@given(st.lists(whole, max_size=8))
+def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, float]]) -> None:
     lo, hi = (
         np.array(column, dtype=np.float64) for column in (zip(*intervals, strict=True) if intervals else ([], []))
     )
-    count = _reservation_kernels._merge(lo, hi, len(intervals))
+    count = _table_kernels._merge(lo, hi, len(intervals))
     merged = list(zip(lo[:count].tolist(), hi[:count].tolist(), strict=True))
     assert merged == sorted(merged)
     assert all(a[1] <= b[0] for a, b in pairwise(merged))
     for time in np.arange(-1, 20, 0.25).tolist():
         assert any(a < time < b for a, b in merged) == any(a < time < b for a, b in intervals)
-
-    allowed = [x for x in np.arange(-3, 22, 0.5).tolist() if not any(a < x < b for a, b in intervals)]
-    assert _reservation_kernels.first_free(lo, hi, count, t) == min(x for x in allowed if x >= t)
-    assert _reservation_kernels.last_free(lo, hi, count, t) == max(x for x in allowed if x <= t)
-
-
-def test_a_forbidden_time_without_end_leaves_nothing_free() -> None:
-    lo, hi = np.array([1.0, 3.0]), np.array([2.0, math.inf])
-    assert _reservation_kernels.first_free(lo, hi, 2, 1.5) == 2.0
-    assert _reservation_kernels.first_free(lo, hi, 2, 3.0) == 3.0  # ends are free
-    assert _reservation_kernels.first_free(lo, hi, 2, 3.5) == math.inf
-    assert _reservation_kernels.last_free(lo, hi, 2, 1e9) == 3.0
 
 
 # --- Reservations -----------------------------------------------------------------------------------------------------
@@ -91,17 +83,28 @@ def random_team(
     return Scene((0, 0, SIDE, SIDE), robots=team, gap=float(rng.choice([0.0, 0.1])), headway=headway), trajectories
 
 
-def reserve(scene: Scene, trajectories: list[Trajectory], cell: float, horizon: float) -> Reservations:
-    reservations = Reservations(scene, cell, horizon)
+def lonely(scene: Scene, cell: float, horizon: float) -> Bench:
+    """Make a bench whose robots have no roadmaps worth the name: for reservations alone."""
+    bare = Ground(np.zeros((1, 2)), Arcs(np.zeros(2, dtype=np.int64), *np.empty((3, 0)))._replace(indices=NOTHING))
+    own = OwnRoadmap(np.empty((0, 2)), (0, 0), NOTHING.reshape(0, 2), np.empty(0), (False, False))
+    team = team_on(scene, [bare], [0] * len(scene.robots), [own] * len(scene.robots))
+    table = empty_table(scene, cell, horizon, 4, 64)  # too small at first
+    return Bench(scene, team, table, empty_desk(team, 4))
+
+
+def reserve(scene: Scene, trajectories: list[Trajectory], cell: float, horizon: float) -> Table:
+    bench = lonely(scene, cell, horizon)
     for k in range(len(scene.robots)):
-        reservations.hold_start(k, 5.0)
+        hold_start(bench, k, 5.0)
     for k, trajectory in enumerate(trajectories, 1):
-        reservations.take(k, trajectory)
-    return reservations
+        take(bench, k, trajectory)
+    return bench.table
 
 
-def body(scene: Scene) -> Floats:
-    return np.array([scene.robots[0].radius, scene.gap, scene.headway])
+def of_others(table: Table) -> tuple[Floats, Ints, Floats]:
+    """Legs reserved by others than the first robot, whose they are, and their radii."""
+    which = table.robot > 0
+    return table.legs[which], table.robot[which], table.radius[which]
 
 
 def plain_union(
@@ -110,7 +113,7 @@ def plain_union(
     widened = [(lo - headway, hi + headway) for found, lo, hi in lists if found]
     kept = [(lo, hi) for lo, hi in widened if hi > earliest and lo < latest]
     lo, hi = np.array([p[0] for p in kept]), np.array([p[1] for p in kept])
-    count = _reservation_kernels._merge(lo, hi, len(kept))
+    count = _table_kernels._merge(lo, hi, len(kept))
     return lo[:count], hi[:count]
 
 
@@ -123,37 +126,53 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         places = np.unique(np.round(places), axis=0)  # along the lines between cells, and in the corners
     scene, trajectories = random_team(rng, 9, places, 7, float(rng.choice([0.0, 0.0, 0.7])))
     cell, horizon = float(rng.choice([0.2, 1.0, 3.0, 50.0])), float(rng.choice([0.01, 1.0, 30.0, 1e4]))
-    arrays = reserve(scene, trajectories, cell, horizon).arrays
-    legs, robots, radii = arrays[:3]
-    mine, others = body(scene), np.flatnonzero((robots != 0) & (robots != NOBODY))
-    distances = mine[0] + radii + mine[1]
-    stamp = np.full(len(legs), -1, dtype=np.int64)
-    mark = seen = 0
-    for _ in range(150):
+    table = reserve(scene, trajectories, cell, horizon)
+    legs, _, radii = of_others(table)
+    apart, headway = scene.robots[0].radius + scene.gap, scene.headway
+    distances = apart + radii
+    stamp = np.full(len(table.robot), -1, dtype=np.int64)
+    lo, hi = np.empty(500), np.empty(500)
+    late = 0
+    for mark in range(150):
         a, b = rng.uniform(0, SIDE, (2, 2))
         if rng.random() < 0.4:
             a, b = places[rng.integers(len(places), size=2)]
-        lo, hi, count = _reservation_kernels.place_conflicts(
-            a[0], a[1], arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark
-        )
-        mark += 1
-        expected = [_conflict_kernels.rest_conflict(*np.array([*a, *legs[i], distances[i]])) for i in others]
-        for got, want in zip((lo[:count], hi[:count]), plain_union(expected, mine[2], -np.inf, np.inf), strict=True):
+        count = _table_kernels.forbidden_times(table, a[0], a[1], 0, apart, headway, 0.0, math.inf, lo, hi, stamp, mark)
+        resting = [
+            _conflict_kernels.rest_conflict(*np.array([*a, *leg, d])) for leg, d in zip(legs, distances, strict=True)
+        ]
+        for got, want in zip((lo[:count], hi[:count]), plain_union(resting, headway, -np.inf, np.inf), strict=True):
             np.testing.assert_array_equal(got, want)
+        # looked up for a stretch of time only, they are the same as far as they reach into it
+        begin = float(rng.uniform(0, 30))
+        end = begin + float(rng.choice([0.0, 3.0, 40.0]))
+        count = _table_kernels.forbidden_times(
+            table, a[0], a[1], 0, apart, headway, begin, end, lo, hi, stamp, 1000 + mark
+        )
+        want_lo, want_hi = plain_union(resting, headway, -np.inf, np.inf)
+        for t in rng.uniform(begin, end, 5):
+            assert ((lo[:count] < t) & (t < hi[:count])).any() == ((want_lo < t) & (t < want_hi)).any()
 
         tau = max(math.dist(a, b), 0.01) / float(rng.choice([0.01, 1.0, 5.0]))
         earliest = float(rng.choice([0.0, rng.uniform(0, 40)]))
-        latest = earliest + float(rng.choice([0.0, rng.uniform(0, 3), rng.uniform(0, 60), math.inf]))
-        lo, hi, count = _reservation_kernels.edge_conflicts(
-            (*a, *b), tau, earliest, latest, arrays, 0, mine, np.empty(1), np.empty(1), stamp, mark
-        )
-        mark += 1
-        expected = [_conflict_kernels.edge_conflict(*np.array([*a, *b, tau, *legs[i], distances[i]])) for i in others]
-        found = plain_union(expected, mine[2], earliest, latest)
-        for got, want in zip((lo[:count], hi[:count]), found, strict=True):
-            np.testing.assert_array_equal(got, want)
-        seen += count
-    assert seen > 20
+        latest = earliest + float(rng.choice([0.0, rng.uniform(0, 3), rng.uniform(0, 60)]))
+        moving = [
+            _conflict_kernels.edge_conflict(*np.array([*a, *b, tau, *leg, d]))
+            for leg, d in zip(legs, distances, strict=True)
+        ]
+        union = list(zip(*plain_union(moving, headway, -np.inf, np.inf), strict=True))
+        first, last = earliest, latest
+        for begins, ends in union:
+            first = ends if begins < first < ends else first
+        for begins, ends in reversed(union):
+            last = begins if begins < last < ends else last
+        args = table, (*a, *b), tau, earliest, latest, 0, apart, headway
+        soonest = _table_kernels.first_departure(*args)
+        assert soonest == pytest.approx(first if first <= latest else math.inf, abs=1e-9)
+        final = _table_kernels.last_departure(*args)
+        assert final == pytest.approx(last if last >= earliest else -math.inf, abs=1e-9)
+        late += first > earliest
+    assert late > 10
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -161,18 +180,15 @@ def test_the_earliest_departure_is_the_first_that_every_leg_allows(seed: int) ->
     rng = np.random.default_rng(100 + seed)
     places = rng.uniform(0, SIDE, (10, 2))
     scene, trajectories = random_team(rng, 8, places, 7, 0.3 * (seed % 2))
-    arrays = reserve(scene, trajectories, 1.0, float(rng.choice([0.5, 5.0, 50.0]))).arrays
-    mine = body(scene)
+    table = reserve(scene, trajectories, 1.0, float(rng.choice([0.5, 5.0, 50.0])))
+    apart = scene.robots[0].radius + scene.gap
     theirs = naive_legs(scene, trajectories)
-    stamp = np.full(len(arrays[0]), -1, dtype=np.int64)
-    mark = late = 0
+    late = 0
     for _ in range(25):
         a, b = places[rng.choice(len(places), size=2, replace=False)]
         tau, ready = math.dist(a, b) / 1.5, float(rng.uniform(0, 15))
         latest = ready + float(rng.choice([2.0, 20.0, math.inf]))
-        got, *_, mark = _reservation_kernels.earliest_departure(
-            (*a, *b), tau, ready, latest, arrays, 0, mine, np.empty(4), np.empty(4), stamp, mark
-        )
+        got = _table_kernels.first_departure(table, (*a, *b), tau, ready, latest, 0, apart, scene.headway)
         expected = ready
         for lo, hi in forbidden_departures(tuple(a), tuple(b), tau, theirs, scene.headway):
             if lo < expected < hi:
@@ -188,57 +204,56 @@ def test_the_earliest_departure_is_the_first_that_every_leg_allows(seed: int) ->
 def test_a_taken_motion_replaces_the_hold_on_its_start() -> None:
     team = [Robot("R1", (1, 1), (9, 1), 0.5), Robot("R2", (1, 5), (9, 5), 0.5, at_goal="leave")]
     scene = Scene((0, 0, SIDE, SIDE), robots=team)
-    reservations = Reservations(scene, 1.0, 8.0)
+    bench = lonely(scene, 1.0, 8.0)
     for k in range(2):
-        reservations.hold_start(k, 3.0)
-    assert reservations.arrays[0].tolist() == [[1, 1, 0, 1, 1, 3], [1, 5, 0, 1, 5, 3]]
-    reservations.take(0, Trajectory("R1", np.array([[0, 1, 1], [2, 1, 1], [10, 9, 1]])))
-    reservations.take(1, Trajectory("R2", np.array([[0, 1, 5], [8, 9, 5], [9, 9, 5]])))
-    legs, robots, radii, *_ = reservations.arrays
-    kept = robots != NOBODY
-    assert legs[kept].tolist() == [
-        [1, 1, 0, 1, 1, 2],
-        [1, 1, 2, 9, 1, 10],
-        [9, 1, 10, 9, 1, math.inf],
-        [1, 5, 0, 9, 5, 8],  # gone from its arrival on
+        hold_start(bench, k, 3.0)
+    assert rows_of(bench.table) == [[0, 1, 1, 0, 1, 1, 3], [1, 1, 5, 0, 1, 5, 3]]
+    take(bench, 0, Trajectory("R1", np.array([[0, 1, 1], [2, 1, 1], [10, 9, 1]])))
+    take(bench, 1, Trajectory("R2", np.array([[0, 1, 5], [8, 9, 5], [9, 9, 5]])))
+    expected = [
+        [0, 1, 1, 0, 1, 1, 2],
+        [0, 1, 1, 2, 9, 1, 10],
+        [0, 9, 1, 10, 9, 1, math.inf],
+        [1, 1, 5, 0, 9, 5, 8],  # gone from its arrival on
     ]
-    assert robots[kept].tolist() == [0, 0, 0, 1]
-    assert (radii == 0.5).all()
-    stamp = np.full(len(legs), -1, dtype=np.int64)
-    _, _, count = _reservation_kernels.place_conflicts(
-        1.0, 5.0, reservations.arrays, 2, np.array([0.5, 0.0, 0.0]), np.empty(4), np.empty(4), stamp, 0
-    )
-    assert count == 1
+    assert rows_of(bench.table) == expected
+    assert rows_of(roomier(bench.table)) == expected
+    assert (bench.table.radius[bench.table.robot >= 0] == 0.5).all()
 
 
-def test_blockers_are_the_legs_that_a_motion_meets() -> None:
+def rows_of(table: Table) -> list[list[float]]:
+    """Robot and leg of all that is reserved, sorted."""
+    return sorted(np.column_stack([table.robot, table.legs])[table.robot >= 0].tolist())
+
+
+def test_legs_met_are_those_that_a_motion_meets() -> None:
     rng = np.random.default_rng(7)
     places = rng.uniform(0, SIDE, (8, 2))
     met = 0
     for headway in (0.0, 0.5):
         scene, trajectories = random_team(rng, 7, places, 6, headway)
-        arrays = reserve(scene, trajectories, 1.0, 20.0).arrays
-        legs, robots, radii = arrays[:3]
+        table = reserve(scene, trajectories, 1.0, 20.0)
+        apart = scene.robots[0].radius + scene.gap
         way = places[:4]
         tau = np.hypot(*np.diff(way, axis=0).T)
         depart = 2.0 + np.append(0.0, np.cumsum(tau)[:-1])
-        got = set(
-            zip(
-                *(
-                    column.tolist()
-                    for column in _reservation_kernels.blockers(way, tau, depart, arrays, 0, body(scene))
-                ),
-                strict=True,
-            )
-        )
+        legs_met = _table_kernels.legs_met(table, way, tau, depart, 0, apart, headway)
+        got = set(zip(*(column.tolist() for column in legs_met), strict=True))
+        whom = np.empty(len(scene.robots), dtype=np.int64)
+        count = 0
         for k in range(3):
-            for i in np.flatnonzero((robots != 0) & (robots != NOBODY)).tolist():
-                leg = Leg(*[*legs[i].tolist(), scene.robots[0].radius + radii[i] + scene.gap])
+            edge = (*way[k].tolist(), *way[k + 1].tolist())
+            count = _table_kernels.robots_met(
+                table, edge, float(tau[k]), float(depart[k]), 0, apart, headway, 0.0, whom, count
+            )
+            for i in np.flatnonzero(table.robot > 0).tolist():
+                leg = Leg(*[*table.legs[i].tolist(), apart + table.radius[i]])
                 a, b = tuple(way[k].tolist()), tuple(way[k + 1].tolist())
                 off = nearest(a, b, float(depart[k]), float(tau[k]), leg, headway, shifts=201)
                 if abs(off) > 0.01:
                     assert ((i, k) in got) == (off > 0)
                     met += off > 0
+        assert sorted(whom[:count].tolist()) == sorted({int(table.robot[i]) for i, _ in got})
     assert met > 3
 
 
@@ -253,17 +268,6 @@ def naive_legs(scene: Scene, trajectories: list[Trajectory]) -> list[Leg]:
     ]
 
 
-def layers(positions: Floats, edges: Ints, shared: int) -> tuple[Adjacency, Adjacency]:
-    """Split a roadmap as the planner does: edges among the first vertices, and all others."""
-    lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
-    base = (edges < shared).all(axis=1)
-    out = []
-    for n, which in ((shared, base), (len(positions), ~base)):
-        graph = Graph.from_edges(n, edges[which], lengths[which])
-        out.append((graph.indptr, graph.indices, graph.weights))
-    return out[0], out[1]
-
-
 def random_roadmap(rng: np.random.Generator, n: int) -> tuple[Floats, Ints]:
     positions = rng.uniform(0, SIDE, (n, 2))
     pairs = np.stack(np.triu_indices(n, 1), axis=1)
@@ -272,20 +276,23 @@ def random_roadmap(rng: np.random.Generator, n: int) -> tuple[Floats, Ints]:
 
 
 def check_motion(
-    found: tuple[Ints, Floats, Floats], positions: Floats, edges: Ints, scene: Scene, legs: list[Leg], stays: bool
+    found: tuple[Ints, Floats, Floats],
+    positions: Floats,
+    arcs: list[tuple[int, int, float]],
+    scene: Scene,
+    legs: list[Leg],
+    stays: bool,
 ) -> None:
-    """Check a motion plainly: along edges at top speed, in time, and never nearer than allowed."""
+    """Check a motion plainly: along arcs in their time, and never nearer than allowed."""
     vertices, arrive, depart = found
-    robot = scene.robots[0]
-    joined = {frozenset(edge) for edge in edges.tolist()}
+    seconds = {(u, v): tau for u, v, tau in arcs}
     assert arrive[0] == 0.0
-    assert depart[0] >= robot.start_time
+    assert depart[0] >= scene.robots[0].start_time
     assert (depart >= arrive).all()
     at = [tuple(place) for place in positions[vertices].tolist()]
     pieces = []
     for k, (u, v) in enumerate(zip(vertices[:-1].tolist(), vertices[1:].tolist(), strict=True)):
-        assert frozenset((u, v)) in joined
-        tau = math.dist(at[k], at[k + 1]) / robot.speed
+        tau = seconds[u, v]
         assert arrive[k + 1] == pytest.approx(depart[k] + tau, abs=1e-9)
         pieces.append((at[k], at[k + 1], float(depart[k]), tau))
     pieces += [(at[k], at[k], float(arrive[k]), float(depart[k] - arrive[k])) for k in range(len(at) - 1)]
@@ -296,26 +303,67 @@ def check_motion(
             assert nearest(a, b, departure, tau, leg, scene.headway) < 1e-9
 
 
-def search(
-    positions: Floats, edges: Ints, shared: int, scene: Scene, trajectories: list[Trajectory], start: int, goal: int
-) -> tuple[bool, Ints, Floats, Floats, int, float, int]:
-    base, over = layers(positions, edges, shared)
-    robot = scene.robots[0]
-    arrays = reserve(scene, trajectories, 1.0, 10.0).arrays
-    stays, ends, pinched = scene.stays(robot), (start, goal), (False, False)
-    return _search_kernels.safe_interval_search(
-        base, over, positions, arrays, 0, body(scene), robot.speed, robot.start_time, stays, *ends, pinched
+@dataclass(frozen=True)
+class Roads:
+    """Arcs (from, to, seconds) of the first vertices as a shared roadmap, edges of the others both ways."""
+
+    ground: Ground
+    own: OwnRoadmap
+    arcs: list[tuple[int, int, float]]
+
+
+def roads(
+    rng: np.random.Generator | None,
+    positions: Floats,
+    edges: Ints,
+    shared: int,
+    speed: float,
+    ends: tuple[int, int],
+) -> Roads:
+    """Split a roadmap as the planner does; with a generator some shared edges are one-way and some slow."""
+    lengths = np.hypot(*(positions[edges[:, 0]] - positions[edges[:, 1]]).T)
+    base = (edges < shared).all(axis=1)
+    rows = []
+    for (u, v), length in zip(edges[base].tolist(), lengths[base].tolist(), strict=True):
+        limit, way = (math.inf, 0.5) if rng is None else (float(rng.choice([0.3, 0.8, math.inf])), rng.random())
+        rows += [(u, v, length, limit)] if way < 0.8 else []
+        rows += [(v, u, length, limit)] if way > 0.2 else []
+    rows.sort()
+    tails = np.array([row[0] for row in rows], dtype=np.int64)
+    arcs = Arcs(
+        np.searchsorted(tails, np.arange(shared + 1)).astype(np.int64),
+        np.array([row[1] for row in rows], dtype=np.int64),
+        np.array([row[2] for row in rows], dtype=np.float64),
+        np.array([row[3] for row in rows], dtype=np.float64),
     )
+    own = OwnRoadmap(positions[shared:], ends, edges[~base], lengths[~base], (False, False))
+    seconds = [(u, v, length / min(speed, limit)) for u, v, length, limit in rows]
+    for (u, v), length in zip(edges[~base].tolist(), lengths[~base].tolist(), strict=True):
+        seconds += [(u, v, length / speed), (v, u, length / speed)]
+    return Roads(Ground(positions[:shared], arcs), own, seconds)
+
+
+def planned(
+    scene: Scene, way: Roads, trajectories: list[Trajectory], most: int = 1 << 60
+) -> tuple[Bench, Trajectory | Failure]:
+    """Plan the first robot among the motions of the others."""
+    robots = len(scene.robots)
+    nowhere = OwnRoadmap(np.empty((0, 2)), (0, 0), NOTHING.reshape(0, 2), np.empty(0), (False, False))
+    team = team_on(scene, [way.ground], [0] * robots, [way.own] + [nowhere] * (robots - 1))
+    table = reserve(scene, trajectories, 1.0, 10.0)
+    bench = Bench(scene, team, table, empty_desk(team, len(table.robot), 4, 64, 2))
+    blank = [a.copy() for a in (bench.desk.away, bench.desk.row, bench.desk.first)]
+    found = plan_robot(bench, 0, most)
+    for before, after in zip(blank, (bench.desk.away, bench.desk.row, bench.desk.first), strict=True):
+        np.testing.assert_array_equal(before, after)
+    return bench, found
 
 
 @pytest.mark.parametrize("seed", range(60))
 def test_the_arrival_is_the_earliest(seed: int) -> None:
     rng = np.random.default_rng(1000 + seed)
-    n = int(rng.integers(5, 13))
-    positions, edges = random_roadmap(rng, n)
-    # half of the others run on the roadmap itself, so that they meet the robot head-on and follow it
-    places = positions if seed % 2 else rng.uniform(0, SIDE, (8, 2))
-    scene, trajectories = random_team(rng, int(rng.integers(2, 6)), places, 5, 0.4 * (seed % 5 == 0))
+    scene, trajectories, positions, edges = trial(rng, seed)
+    n = len(positions)
     robot = replace(
         scene.robots[0],
         speed=float(rng.choice([0.5, 1.0, 2.0])),
@@ -326,10 +374,11 @@ def test_the_arrival_is_the_earliest(seed: int) -> None:
     start, goal = (int(v) for v in rng.choice(n, size=2, replace=False))
     legs = naive_legs(scene, trajectories)
     stays = scene.stays(robot)
+    shared = int(rng.integers(1, n + 1))
+    way = roads(None if seed % 3 else rng, positions, edges, shared, robot.speed, (start, goal))
     expected = earliest_arrival(
         [tuple(p) for p in positions.tolist()],
-        edges.tolist(),
-        robot.speed,
+        way.arcs,
         legs,
         scene.headway,
         robot.start_time,
@@ -337,15 +386,31 @@ def test_the_arrival_is_the_earliest(seed: int) -> None:
         start,
         goal,
     )
-    found, vertices, arrive, depart, _, when, _ = search(
-        positions, edges, int(rng.integers(0, n + 1)), scene, trajectories, start, goal
-    )
-    assert found == math.isfinite(expected)
-    if found:
-        assert when == pytest.approx(expected, abs=1e-6)
+    bench, found = planned(scene, way, trajectories)
+    assert isinstance(found, Trajectory) == math.isfinite(expected)
+    if isinstance(found, Trajectory):
+        assert found.stamps[-1, 0] == pytest.approx(expected, abs=1e-6)
+        vertices, arrive, depart = traced(bench)
         assert arrive[-1] == pytest.approx(expected, abs=1e-6)
         assert (vertices[0], vertices[-1]) == (start, goal)
-        check_motion((vertices, arrive, depart), positions, edges, scene, legs, stays)
+        check_motion((vertices, arrive, depart), positions, way.arcs, scene, legs, stays)
+        for k, t in enumerate(found.times.tolist()):
+            place = np.interp(t, np.column_stack([arrive, depart]).ravel(), np.repeat(positions[vertices][:, 0], 2))
+            assert found.points[k, 0] == pytest.approx(place, abs=1e-6)
+
+
+def trial(rng: np.random.Generator, seed: int) -> tuple[Scene, list[Trajectory], Floats, Ints]:
+    """Make a team and a roadmap; half of the teams run on it, so that they meet the robot head-on and follow it."""
+    positions, edges = random_roadmap(rng, int(rng.integers(5, 13)))
+    places = positions if seed % 2 else rng.uniform(0, SIDE, (8, 2))
+    scene, trajectories = random_team(rng, int(rng.integers(2, 6)), places, 5, 0.4 * (seed % 5 == 0))
+    return scene, trajectories, positions, edges
+
+
+def traced(bench: Bench) -> tuple[Ints, Floats, Floats]:
+    """Vertices of the motion found last, arrivals and departures."""
+    n = int(bench.desk.counts[4])
+    return bench.desk.path[:n], bench.desk.at[:n, 0], bench.desk.at[:n, 1]
 
 
 def test_the_trials_are_not_all_alike() -> None:
@@ -353,69 +418,101 @@ def test_the_trials_are_not_all_alike() -> None:
     held, failed = 0, 0
     for seed in range(60):
         rng = np.random.default_rng(1000 + seed)
-        n = int(rng.integers(5, 13))
-        positions, edges = random_roadmap(rng, n)
-        places = positions if seed % 2 else rng.uniform(0, SIDE, (8, 2))
-        scene, trajectories = random_team(rng, int(rng.integers(2, 6)), places, 5, 0.4 * (seed % 5 == 0))
-        start, goal = (int(v) for v in rng.choice(n, size=2, replace=False))
-        found, *_, when, _ = search(positions, edges, n, scene, trajectories, start, goal)
-        alone, *_, soonest, _ = search(positions, edges, n, replace(scene, robots=scene.robots[:1]), [], start, goal)
-        failed += alone and not found
-        held += alone and found and when > soonest + 1e-6
+        scene, trajectories, positions, edges = trial(rng, seed)
+        start, goal = (int(v) for v in rng.choice(len(positions), size=2, replace=False))
+        way = roads(None, positions, edges, len(positions), 1.0, (start, goal))
+        _, found = planned(scene, way, trajectories)
+        _, alone = planned(replace(scene, robots=scene.robots[:1]), way, [])
+        if isinstance(alone, Trajectory):
+            failed += isinstance(found, Failure)
+            held += isinstance(found, Trajectory) and found.arrival > alone.arrival + 1e-6
     assert failed > 3
     assert held > 10
 
 
-def line_of(n: int) -> tuple[Floats, Ints]:
+def line_of(n: int, shared: int, ends: tuple[int, int]) -> Roads:
     positions = np.stack([np.arange(n) * 2.0 + 1.0, np.full(n, 1.0)], axis=1)
-    return positions, np.array([(k, k + 1) for k in range(n - 1)], dtype=np.int64)
+    edges = np.array([(k, k + 1) for k in range(n - 1)], dtype=np.int64)
+    return roads(None, positions, edges, shared, 1.0, ends)
 
 
 def test_a_robot_waits_until_another_has_passed_its_goal() -> None:
     """With `stay` the goal is good only once nobody passes any more; with `leave` at once."""
-    positions, edges = line_of(4)
     other = Trajectory("R1", np.array([[0, 7, 9], [12, 7, 9], [20, 7, 1], [28, 7, 9]]))
     for at_goal, expected in (("leave", 6.0), ("stay", 20.0 + math.sqrt(2))):
         team = [
             Robot("R0", (1, 1), (7, 1), 0.5, at_goal=at_goal),  # type: ignore[arg-type]
             Robot("R1", (7, 9), (7, 9), 0.5),
         ]
-        found, *_, when, _ = search(positions, edges, 4, Scene((0, 0, SIDE, SIDE), robots=team), [other], 0, 3)
-        assert found
-        assert when == pytest.approx(expected, abs=1e-9)
+        _, found = planned(Scene((0, 0, SIDE, SIDE), robots=team), line_of(4, 4, (0, 3)), [other])
+        assert isinstance(found, Trajectory)
+        assert found.arrival == pytest.approx(expected, abs=1e-9)
 
 
 def test_the_search_says_how_far_it_got() -> None:
-    positions, edges = line_of(4)
     team = [Robot("R0", (1, 1), (7, 1), 0.5), Robot("R1", (5, 1), (5, 1), 0.5)]
     parked = Trajectory("R1", np.array([[0, 5, 1]]))
-    found, vertices, arrive, depart, stuck, when, pops = search(
-        positions, edges, 2, Scene((0, 0, SIDE, SIDE), robots=team), [parked], 0, 3
-    )
-    assert not found
-    assert len(vertices) == len(arrive) == len(depart) == 0
-    assert (stuck, when, pops) == (1, 2.0, 2)
+    scene = Scene((0, 0, SIDE, SIDE), robots=team)
+    bench, found = planned(scene, line_of(4, 2, (0, 3)), [parked])
+    assert found == Failure(0, (3.0, 1.0), 2.0, (1,))
+    assert bench.desk.counts[2] == 2
+    # given up before it begins to move
+    _, found = planned(scene, line_of(4, 2, (0, 3)), [parked], most=1)
+    assert isinstance(found, Failure)
+    assert (found.place, found.time) == ((1.0, 1.0), 0.0)
 
 
 def test_a_start_that_another_crosses_too_soon_is_no_start() -> None:
-    positions, edges = line_of(4)
     team = [Robot("R0", (1, 1), (7, 1), 0.5, start_time=5.0), Robot("R1", (1, 9), (1, 1.5), 0.5)]
-    scene = Scene((0, 0, SIDE, SIDE), robots=team)
+    scene, way = Scene((0, 0, SIDE, SIDE), robots=team), line_of(4, 4, (0, 3))
     early = Trajectory("R1", np.array([[0, 1, 9], [4, 1, 1.5]]))
-    assert not search(positions, edges, 4, scene, [early], 0, 3)[0]
+    assert isinstance(planned(scene, way, [early])[1], Failure)
     late = Trajectory("R1", np.array([[0, 1, 9], [7.5, 1, 1.5]]))
-    assert search(positions, edges, 4, scene, [late], 0, 3)[5] == pytest.approx(11.0)
+    found = planned(scene, way, [late])[1]
+    assert isinstance(found, Trajectory)
+    assert found.arrival == pytest.approx(11.0)
 
 
 def test_rests_gather_at_the_start() -> None:
     """Who must let another pass waits where it stands, not on the way."""
-    positions, edges = line_of(5)
     team = [Robot("R0", (1, 1), (9, 1), 0.5), Robot("R1", (7, 9), (7, 1), 0.5, at_goal="leave")]
     crossing = Trajectory("R1", np.array([[0, 7, 9], [6, 7, 1]]))
-    found, vertices, arrive, depart, *_ = search(
-        positions, edges, 5, Scene((0, 0, SIDE, SIDE), robots=team), [crossing], 0, 4
-    )
-    assert found
+    bench, found = planned(Scene((0, 0, SIDE, SIDE), robots=team), line_of(5, 5, (0, 4)), [crossing])
+    assert isinstance(found, Trajectory)
+    vertices, arrive, depart = traced(bench)
     assert vertices.tolist() == [0, 1, 2, 3, 4]
-    assert depart[0] >= 1.0
+    assert depart[0] >= 1.0 - 1e-9
     np.testing.assert_allclose(arrive[1:], depart[1:], atol=1e-12)
+
+
+def test_one_way_and_slow_lanes_are_kept_to() -> None:
+    """A square whose short side leads the other way, and whose long way round is slow on one side."""
+    positions = np.array([(1.0, 1.0), (5.0, 1.0), (5.0, 5.0), (1.0, 5.0)])
+    arcs = Arcs(
+        np.array([0, 1, 2, 3, 4]),
+        np.array([3, 0, 1, 2]),
+        np.full(4, 4.0),
+        np.array([math.inf, math.inf, 0.5, math.inf]),
+    )
+    own = OwnRoadmap(np.empty((0, 2)), (0, 1), NOTHING.reshape(0, 2), np.empty(0), (False, False))
+    scene = Scene((0, 0, SIDE, SIDE), robots=[Robot("R0", (1, 1), (5, 1), 0.5)])
+    team = team_on(scene, [Ground(positions, arcs)], [0], [own])
+    table = empty_table(scene, 1.0, 10.0)
+    found = plan_robot(Bench(scene, team, table, empty_desk(team, len(table.robot))), 0)
+    assert isinstance(found, Trajectory)
+    assert found.stamps.tolist() == [[0, 1, 1], [4, 1, 5], [8, 5, 5], [16, 5, 1]]
+    assert team.least.tolist() == [16.0]
+
+
+def test_who_starts_at_its_goal_on_the_shared_roadmap_steps_aside_and_returns() -> None:
+    line = line_of(4, 4, (2, 2))
+    team = [Robot("R0", (5, 1), (5, 1), 0.5), Robot("R1", (5, 9), (5, 0.5), 0.5, at_goal="leave")]
+    scene = Scene((0, 0, SIDE, SIDE), robots=team)
+    bench, found = planned(scene, line, [Trajectory("R1", np.array([[0, 5, 9], [8.5, 5, 0.5]]))])
+    assert isinstance(found, Trajectory)
+    assert (found.points[[0, -1]] == (5, 1)).all()
+    assert found.length == pytest.approx(4.0)
+    assert bench.team.least[0] == 0.0
+    _, found = planned(scene, line, [Trajectory("R1", np.array([[0, 5, 9], [8.5, 9, 9]]))])
+    assert isinstance(found, Trajectory)
+    assert found.stamps.tolist() == [[0, 5, 1]]

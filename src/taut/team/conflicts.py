@@ -11,9 +11,10 @@ import numpy as np
 
 from taut.motion import Trajectory
 from taut.scene import Point
-from taut.team import _reservation_kernels
+from taut.team import _table_kernels
+from taut.team._table_kernels import Table
 from taut.team.prioritized import Round
-from taut.team.reservations import Reservations, distances_from
+from taut.team.reservations import distances_from, empty_table, legs_of, reserve
 from taut.team.world import World
 
 Kind: TypeAlias = Literal[
@@ -90,9 +91,11 @@ def conflicts_met(world: World, done: Round) -> tuple[tuple[Conflict, ...], ...]
     starts that were still held. Robots that got that way unhindered met nobody.
     """
     scene = world.scene
-    reservations = Reservations(scene, world.cell, world.horizon)
+    table = empty_table(scene, world.cell, world.horizon)
     for i in done.order:
-        reservations.hold_start(i, scene.robots[i].start_time + done.hold)
+        x, y = scene.robots[i].start
+        hold = np.array([[x, y, 0.0, x, y, scene.robots[i].start_time + done.hold]])
+        table = reserve(table, i, scene.robots[i].radius, hold)
     met: list[tuple[Conflict, ...]] = [()] * len(scene.robots)
     planned: set[int] = set()
     for i in done.order:
@@ -100,8 +103,9 @@ def conflicts_met(world: World, done: Round) -> tuple[tuple[Conflict, ...], ...]
         if trajectory is None:
             continue
         if _hindered(world, i, trajectory):
-            met[i] = _conflicts_of(world, i, trajectory, reservations, planned)
-        reservations.take(i, trajectory)
+            met[i] = _conflicts_of(world, i, trajectory, table, planned)
+        legs = legs_of(trajectory, scene.stays(scene.robots[i]))
+        table = reserve(table, i, scene.robots[i].radius, legs)
         planned.add(i)
     return tuple(met)
 
@@ -128,11 +132,11 @@ def _hindered(world: World, i: int, trajectory: Trajectory) -> bool:
 
 
 def _conflicts_of(
-    world: World, i: int, trajectory: Trajectory, reservations: Reservations, planned: set[int]
+    world: World, i: int, trajectory: Trajectory, table: Table, planned: set[int]
 ) -> tuple[Conflict, ...]:
     scene = world.scene
     out = []
-    for other, meetings in _meetings(world, i, reservations).items():
+    for other, meetings in _meetings(world, i, table).items():
         for meeting in _merged(meetings):
             passes = _passes(trajectory, meeting.place, scene.tol)
             out.append(
@@ -149,10 +153,13 @@ def _conflicts_of(
     return tuple(sorted(out, key=lambda c: (c.time, c.other)))
 
 
-def _meetings(world: World, i: int, reservations: Reservations) -> dict[int, list[_Meeting]]:
+def _meetings(world: World, i: int, table: Table) -> dict[int, list[_Meeting]]:
     """Meetings of robot i, alone on its shortest way at top speed, with each of the robots reserved."""
     scene, robot, points = world.scene, world.scene.robots[i], world.routes[i].points
-    legs, robots, radii, *_ = arrays = reservations.arrays
+    taken = np.flatnonzero((table.robot >= 0) & (table.robot != i))
+    legs, robots, radii = table.legs[taken], table.robot[taken], table.radius[taken]
+    number = np.full(len(table.robot), -1)
+    number[taken] = np.arange(len(taken))
     found: list[tuple[int, _Piece]] = []
     tau = np.hypot(*np.diff(points, axis=0).T) / robot.speed
     times = robot.start_time + np.append(0.0, np.cumsum(tau))
@@ -161,8 +168,10 @@ def _meetings(world: World, i: int, reservations: Reservations) -> dict[int, lis
         for a, b, t0, t1 in zip(points.tolist(), points[1:].tolist(), times.tolist(), times[1:].tolist(), strict=False)
     ]
     if edges:
-        kernel = _reservation_kernels.blockers(np.ascontiguousarray(points), tau, times[:-1], arrays, i, world.body(i))
-        found += [(leg, edges[k]) for leg, k in zip(*(x.tolist() for x in kernel), strict=True)]
+        radius, gap, headway = world.body(i).tolist()
+        way = np.ascontiguousarray(points)
+        met, along = _table_kernels.legs_met(table, way, tau, times[:-1], i, radius + gap, headway)
+        found += [(leg, edges[k]) for leg, k in zip(number[met].tolist(), along.tolist(), strict=True)]
     start, goal = points[0].tolist(), points[-1].tolist()
     rests = [_piece(start, 0.0, start, robot.start_time)] if edges else []
     if scene.stays(robot):
@@ -170,7 +179,7 @@ def _meetings(world: World, i: int, reservations: Reservations) -> dict[int, lis
     reach = robot.radius + radii + scene.gap - scene.tol / 2
     for rest in rests:
         near = (distances_from(legs, np.array([rest.x, rest.y])) < reach) & (legs[:, 2] <= rest.t1)
-        near &= (legs[:, 5] >= rest.t0) & (robots != i) & (robots >= 0)
+        near &= legs[:, 5] >= rest.t0
         found += [(leg, rest) for leg in np.flatnonzero(near).tolist()]
     out: dict[int, list[_Meeting]] = {}
     for leg, mine in found:

@@ -14,7 +14,6 @@ from taut.roadmap import SharedRoadmap
 from taut.route import Route
 from taut.scene import FloatArray, Robot
 from taut.team._conflict_kernels import Floats, Ints
-from taut.team._search_kernels import Adjacency
 
 # 20 neighbours made the search a third slower and the plans of halls and warehouses less than 0.2 % shorter
 _NEIGHBOURS = 8
@@ -42,7 +41,7 @@ class OwnRoadmap:
     lengths: Floats
     pinched: tuple[bool, bool]
 
-    def adjacency(self, shared: int) -> Adjacency:
+    def adjacency(self, shared: int) -> tuple[Ints, Ints, Floats]:
         """CSR over ``shared`` + k vertices."""
         n = shared + len(self.positions)
         tail = np.concatenate([self.edges[:, 0], self.edges[:, 1]])
@@ -60,6 +59,7 @@ def own_roadmap(
     routes: list[Route],
     around: Floats,
     distances: Floats,
+    stations: Floats,
 ) -> OwnRoadmap:
     """Extend the shared roadmap for the robot that has the given routes.
 
@@ -69,6 +69,7 @@ def own_roadmap(
     routes : ways from its start to its goal, the shortest first; it may rest anywhere along them, a spacing apart.
     around : (j, 2) places of others that it may have to go round.
     distances : (j,) metres that it keeps from each.
+    stations : (s, 2) free places besides; straight ways lead between all of them, and its ends, that see each other.
     """
     mesh = shared.freespace.mesh
     n = len(shared.positions)
@@ -81,6 +82,9 @@ def own_roadmap(
         points.append(stops)
         chains.append([0, *range(count, count + len(stops)), 1])
         count += len(stops)
+    first_station = count
+    points.append(stations)
+    count += len(stations)
     points.append(_rings(around, distances))
     xy, triangles = shared.freespace.anchor(np.concatenate(points[:-1]))
     ring_triangles = mesh.locate(points[-1])
@@ -91,6 +95,7 @@ def own_roadmap(
     pairs = [np.array([(a + n, b + n) for chain in chains for a, b in pairwise(chain)])]
     pairs += [np.stack([vertices, np.full_like(vertices, n + k)], axis=1) for k, vertices in enumerate(joined)]
     pairs.append(_near(shared, xy, triangles))
+    pairs.append(n + _in_sight(shared, xy, triangles, np.arange(first_station, count)))
     edges = np.sort(np.concatenate(pairs), axis=1)
     total = n + len(xy)
     keys = np.unique(edges[:, 0] * total + edges[:, 1])
@@ -117,6 +122,16 @@ def _rings(centres: Floats, distances: Floats) -> Floats:
     angle = 2 * math.pi * (np.arange(_RING) + 0.5) / _RING
     unit = np.stack([np.cos(angle), np.sin(angle)], axis=1) * ((1 + 1e-9) / math.cos(math.pi / _RING))
     return (centres[:, None] + distances[:, None, None] * unit).reshape(-1, 2)
+
+
+def _in_sight(shared: SharedRoadmap, xy: Floats, triangles: Ints, stations: Ints) -> Ints:
+    """Pairs of own vertices that see each other, of the ends and the stations; none where free space touches itself."""
+    mesh = shared.freespace.mesh
+    chosen = np.concatenate([[0, 1], stations]) if len(stations) else stations
+    chosen = chosen[~mesh.on_pinch(xy[chosen])].astype(np.int64)
+    a, b = (chosen[k] for k in np.triu_indices(len(chosen), 1))
+    seen = see_each_other(mesh, xy, triangles, a, b)
+    return np.stack([a[seen], b[seen]], axis=1)
 
 
 def _near(shared: SharedRoadmap, xy: Floats, triangles: Ints) -> Ints:

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
 from taut.motion import Trajectory
-from taut.team import _reservation_kernels, _search_kernels
-from taut.team._conflict_kernels import Floats
-from taut.team.reservations import Reservations, distances_from
+from taut.scene import Scene
+from taut.team import _search_kernels
+from taut.team._conflict_kernels import Floats, Ints
+from taut.team._search_kernels import EXACT, TOO_SMALL, Desk
+from taut.team._table_kernels import Table
+from taut.team._team_kernels import Team
+from taut.team.reservations import distances_from, empty_table, legs_of, reserve
+from taut.team.team_arrays import team_of
 from taut.team.world import World
 
-Stamp: TypeAlias = tuple[float, float, float]
+WITHOUT_END = 1 << 60
+_STATES = 1 << 16
+_WAYS = 1 << 17
+_LONGEST = 1 << 12  # vertices of a motion
+_STRETCHES = 1 << 10  # forbidden times of a place
 
 
 @dataclass(frozen=True)
@@ -27,82 +35,117 @@ class Failure:
     blockers: tuple[int, ...]
 
 
-def plan_robot(world: World, i: int, reservations: Reservations) -> Trajectory | Failure:
-    """Earliest arrival of one robot among the reservations, on its roadmap.
+@dataclass
+class Bench:
+    """What planning one robot after another works on; the table and the desk are replaced where they are too small.
+
+    Parameters
+    ----------
+    scene, team : the robots and their roadmaps.
+    table : what is reserved.
+    desk : what a search writes into.
+    """
+
+    scene: Scene
+    team: Team
+    table: Table
+    desk: Desk
+
+
+def bench_of(world: World) -> Bench:
+    """Return a bench on which nothing is reserved yet."""
+    team, table = team_of(world), empty_table(world.scene, world.cell, world.horizon)
+    return Bench(world.scene, team, table, empty_desk(team, len(table.robot)))
+
+
+def plan_robot(bench: Bench, i: int, most: int = WITHOUT_END) -> Trajectory | Failure:
+    """Earliest arrival of one robot among what others have reserved, on its roadmap; what it finds is not reserved.
 
     A robot that is at its goal already stays, or is gone at once; it moves only if it has to let somebody pass.
+
+    Parameters
+    ----------
+    most : expansions after which it is given up.
     """
-    scene, robot = world.scene, world.scene.robots[i]
-    if robot.start == robot.goal and (not scene.stays(robot) or not _passers(world, i, reservations)):
-        return Trajectory(robot.name, np.array([[0.0, *robot.start]]))
-    shared, own = world.shared(i), world.own(i)
-    n = len(shared.positions)
-    graph = shared.graph
-    positions = np.concatenate([shared.positions, own.positions])
-    found, vertices, arrive, depart, stuck, when, _ = _search_kernels.safe_interval_search(
-        (graph.indptr, graph.indices, graph.weights),
-        own.adjacency(n),
-        positions,
-        reservations.arrays,
-        i,
-        world.body(i),
-        robot.speed,
-        robot.start_time,
-        scene.stays(robot),
-        *own.ends,
-        own.pinched,
+    if len(bench.desk.stamp) < len(bench.table.robot):
+        bench.desk = with_stamps(bench.desk, bench.table)
+    while True:
+        count = _search_kernels.soonest_arrival(bench.team, i, bench.table, bench.desk, math.inf, most, EXACT)
+        if count > 0:
+            return Trajectory(bench.scene.robots[i].name, bench.desk.stamps[:count])
+        if count != TOO_SMALL:
+            x, y, when = bench.desk.stuck[:3].tolist()
+            return Failure(i, (x, y), when, _in_the_way(bench, i, (x, y), when))
+        bench.desk = roomier_desk(bench.team, bench.desk)
+
+
+def hold_start(bench: Bench, i: int, until: float) -> None:
+    """Reserve a robot's start from 0 to the given time, and nothing else of what it had."""
+    x, y = bench.scene.robots[i].start
+    bench.table = reserve(bench.table, i, bench.scene.robots[i].radius, np.array([[x, y, 0.0, x, y, until]]))
+
+
+def take(bench: Bench, i: int, trajectory: Trajectory) -> None:
+    """Reserve a robot's motion instead of what it had."""
+    robot = bench.scene.robots[i]
+    bench.table = reserve(bench.table, i, robot.radius, legs_of(trajectory, bench.scene.stays(robot)))
+
+
+def empty_desk(team: Team, legs: int, states: int = _STATES, ways: int = _WAYS, longest: int = _LONGEST) -> Desk:
+    """Return a desk for this team and a table of so many legs."""
+    most = int(team.size.max() + np.diff(team.own_first).max())
+    return Desk(
+        xy=team.xy.copy(),
+        away=np.full(most, math.inf),
+        row=_nowhere(most),
+        first=_nowhere(most),
+        many=np.zeros(most, dtype=np.int64),
+        times=np.empty((states, 5)),
+        links=np.empty((states, 3), dtype=np.int64),
+        ways=np.empty((ways, 3), dtype=np.int64),
+        way_time=np.empty(ways),
+        keys=np.empty(ways),
+        items=np.empty(ways, dtype=np.int64),
+        lo=np.empty(_STRETCHES * states // _STATES),
+        hi=np.empty(_STRETCHES * states // _STATES),
+        stamp=_nowhere(legs),
+        path=np.empty(longest, dtype=np.int64),
+        at=np.empty((longest, 4)),
+        stamps=np.empty((2 * longest + 1, 3)),
+        stuck=np.zeros(4),
+        counts=np.zeros(5, dtype=np.int64),
     )
-    if not found:
-        place = positions[stuck]
-        return Failure(
-            i, (float(place[0]), float(place[1])), float(when), _in_the_way(world, i, stuck, when, reservations)
-        )
-    return Trajectory(robot.name, _stamps(positions[vertices], arrive, depart, robot.speed, scene.tol))
 
 
-def _stamps(points: Floats, arrive: Floats, depart: Floats, speed: float, tol: float) -> Floats:
-    """Stamps of a motion, without the rests and the bends that only rounding makes (below tol / 64)."""
-    rows: list[tuple[float, float, float]] = [(0.0, float(points[0, 0]), float(points[0, 1]))]
-    for k in range(len(points)):
-        x, y = points[k].tolist()
-        for t in (float(arrive[k]), float(depart[k])):
-            if (t - rows[-1][0]) * speed <= tol / 64:
-                continue
-            while len(rows) > 1 and _on_the_way(rows[-2], rows[-1], (t, x, y), tol / 64):
-                rows.pop()
-            before, *place = rows[-1]
-            if math.dist(place, (x, y)) > speed * (t - before):  # rounding must not make it faster than it can be
-                t = math.nextafter(max(t, before + math.dist(place, (x, y)) / speed), math.inf)
-            rows.append((t, x, y))
-    return np.array(rows)
+def roomier_desk(team: Team, desk: Desk) -> Desk:
+    """Return a desk with twice the room for a search."""
+    return empty_desk(team, len(desk.stamp), 2 * len(desk.times), 2 * len(desk.ways), 2 * len(desk.path))
 
 
-def _on_the_way(a: Stamp, b: Stamp, c: Stamp, slack: float) -> bool:
-    """Whether a steady move from a to c is within ``slack`` metres of b at b's time."""
-    f = (b[0] - a[0]) / (c[0] - a[0])
-    return math.hypot(a[1] + f * (c[1] - a[1]) - b[1], a[2] + f * (c[2] - a[2]) - b[2]) <= slack
+def with_stamps(desk: Desk, table: Table) -> Desk:
+    """Return the desk for a table that has grown."""
+    return desk._replace(stamp=_nowhere(len(table.robot)))
 
 
-def _passers(world: World, i: int, reservations: Reservations) -> bool:
-    """Whether any robot comes too near to where robot i stands, at any time."""
-    reserved = reservations.arrays
-    empty, stamp = np.empty(4), np.full(len(reserved[0]), -1, dtype=np.int64)
-    place = world.scene.robots[i].start
-    _, _, count = _reservation_kernels.place_conflicts(
-        *place, reserved, i, world.body(i), empty, empty.copy(), stamp, 0
-    )
-    return count > 0
+def stamps_of(points: Floats, arrive: Floats, depart: Floats, speed: float, tol: float) -> Floats:
+    """Stamps of a motion along points, without the rests and the bends that only rounding makes."""
+    at = np.concatenate([arrive[:, None], depart[:, None], points], axis=1)
+    rows = np.empty((2 * len(at) + 1, 3))
+    return rows[: _search_kernels.stamped(at, len(at), speed, tol, rows)]
 
 
-def _in_the_way(world: World, i: int, stuck: int, when: float, reservations: Reservations) -> tuple[int, ...]:
+def _nowhere(n: int) -> Ints:
+    return np.full(n, -1, dtype=np.int64)
+
+
+def _in_the_way(bench: Bench, i: int, place: tuple[float, float], when: float) -> tuple[int, ...]:
     """Robots that hold the goal, or that pass where the search got no further, after it got there."""
-    scene, robot = world.scene, world.scene.robots[i]
-    shared, own = world.shared(i), world.own(i)
-    legs, robots, radii, *_ = reservations.arrays
-    here = shared.positions[stuck] if stuck < len(shared.positions) else own.positions[stuck - len(shared.positions)]
-    around = shared.reach if math.isfinite(shared.reach) else 0.0
+    scene, robot, table = bench.scene, bench.scene.robots[i], bench.table
+    taken = np.flatnonzero((table.robot >= 0) & (table.robot != i))
+    legs, robots, radii = table.legs[taken], table.robot[taken], table.radius[taken]
+    around = 2 * float(table.frame[2])
     near = []
-    for place, since, more in ((here, when, around), (np.array(robot.goal), 0.0, 0.0)):
-        close = distances_from(legs, place) < robot.radius + radii + scene.gap + more
-        near += robots[close & (legs[:, 5] >= since) & (robots != i) & (robots >= 0)].tolist()
+    for at, since, more in ((place, when, around), (robot.goal, 0.0, 0.0)):
+        close = distances_from(legs, np.array(at)) < robot.radius + radii + scene.gap + more
+        near += robots[close & (legs[:, 5] >= since)].tolist()
     return tuple(sorted(set(near)))
