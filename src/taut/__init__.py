@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from taut.errors import (
         GoalBlocked,
         NoPath,
+        NoPlanExists,
         NoPlanFound,
         OutputError,
         PlanError,
@@ -29,13 +30,15 @@ if TYPE_CHECKING:
         TautError,
     )
     from taut.figures import animate, draw, save_figure, save_stages
-    from taut.formats import load_plan, load_scene, save
+    from taut.formats import free_cells, load_map, load_plan, load_roadmap, load_scen, load_scene, save, save_roadmap
     from taut.freespace import FreeSpace
     from taut.generate import random_scene, random_warehouse
     from taut.motion import Plan, Trajectory
     from taut.roadmap import (
+        Lanes,
         Roadmap,
         cells_roadmap,
+        grid_lanes,
         grid_roadmap,
         sampled_roadmap,
         visibility_graph,
@@ -73,8 +76,10 @@ __all__ = [
     "Circle",
     "FreeSpace",
     "GoalBlocked",
+    "Lanes",
     "Line",
     "NoPath",
+    "NoPlanExists",
     "NoPlanFound",
     "OutputError",
     "PathIndex",
@@ -102,12 +107,17 @@ __all__ = [
     "distances",
     "distances_from",
     "draw",
+    "free_cells",
     "graph",
+    "grid_lanes",
     "grid_roadmap",
     "hits_of",
     "index_obstacles",
     "lazy_route",
+    "load_map",
     "load_plan",
+    "load_roadmap",
+    "load_scen",
     "load_scene",
     "oca_path",
     "oca_path_or_widest",
@@ -122,6 +132,7 @@ __all__ = [
     "sampled_roadmap",
     "save",
     "save_figure",
+    "save_roadmap",
     "save_stages",
     "shortest_path",
     "smoothed",
@@ -142,6 +153,7 @@ if not TYPE_CHECKING:
         "taut.errors": (
             "GoalBlocked",
             "NoPath",
+            "NoPlanExists",
             "NoPlanFound",
             "OutputError",
             "PlanError",
@@ -150,13 +162,24 @@ if not TYPE_CHECKING:
             "TautError",
         ),
         "taut.figures": ("animate", "draw", "save_figure", "save_stages"),
-        "taut.formats": ("load_plan", "load_scene", "save"),
+        "taut.formats": (
+            "free_cells",
+            "load_map",
+            "load_plan",
+            "load_roadmap",
+            "load_scen",
+            "load_scene",
+            "save",
+            "save_roadmap",
+        ),
         "taut.freespace": ("FreeSpace",),
         "taut.generate": ("random_scene", "random_warehouse"),
         "taut.motion": ("Plan", "Trajectory"),
         "taut.roadmap": (
+            "Lanes",
             "Roadmap",
             "cells_roadmap",
+            "grid_lanes",
             "grid_roadmap",
             "sampled_roadmap",
             "visibility_graph",

@@ -8,12 +8,25 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+ROADMAP_ENDINGS = (".json", ".graphml", ".npz")
+"""Of files with lanes; said here again because `taut.formats` is slow to import."""
+
 
 class Method(StrEnum):
     """How the team is planned."""
 
     prioritized = "prioritized"
     mrppa = "mrppa"
+    search = "search"
+    repair = "repair"
+    optimal = "optimal"
+
+
+class Objective(StrEnum):
+    """What is to become least."""
+
+    sum_of_costs = "sum_of_costs"
+    makespan = "makespan"
 
 
 class RoadmapName(StrEnum):
@@ -52,8 +65,32 @@ class Order(StrEnum):
     longest = "longest"
 
 
+def roadmap_source(value: str) -> str:
+    """Return the name of a roadmap or of a file that can hold one.
+
+    Raises
+    ------
+    typer.BadParameter
+        It is neither.
+    """
+    path = Path(value)
+    if value in list(RoadmapName) or (path.suffix.lower() in ROADMAP_ENDINGS and path.is_file()):
+        return value
+    names, endings = ", ".join(RoadmapName), ", ".join(ROADMAP_ENDINGS)
+    wrong = "does not exist" if path.suffix.lower() in ROADMAP_ENDINGS else "is no roadmap"
+    raise typer.BadParameter(f"{value!r} {wrong}; give one of {names}, or a file ({endings})")
+
+
 SceneArgument: TypeAlias = Annotated[
     str, typer.Argument(metavar="SCENE", help="A scene file, or the name of a ready scene.")
+]
+RoadmapOption: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME|FILE",
+        callback=roadmap_source,
+        help=f"On what the robots move: {', '.join(RoadmapName)}, or a file of lanes ({', '.join(ROADMAP_ENDINGS)}).",
+    ),
 ]
 JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the results as one JSON object.")]
 FigureOption: TypeAlias = Annotated[

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import assert_never
 
 from taut.errors import OutputError, PlanError, SceneError
-from taut.formats import geojson, json_text, yaml_text
+from taut.formats import geojson, json_text, movingai, yaml_text
 from taut.formats._document import Document, read_text
 from taut.formats.convert import plan_of, plan_to_dict, scene_of, scene_to_dict
 from taut.motion import Plan
@@ -24,8 +24,8 @@ def load_scene(path_or_name: str | os.PathLike[str]) -> Scene:
 
     Parameters
     ----------
-    path_or_name : a .yaml, .yml (at most 8 MB), .json or .geojson file (at most 64 MB), or the name of a ready
-        scene such as "thesis-2".
+    path_or_name : a .yaml, .yml (at most 8 MB), .json, .geojson or MovingAI .map file (at most 64 MB), or the name of a
+        ready scene such as "thesis-2".
 
     Raises
     ------
@@ -49,7 +49,9 @@ def load_scene(path_or_name: str | os.PathLike[str]) -> Scene:
         return geojson.scene_of_geojson(json_text.parse_json(read_text(path, json_text.LIMIT), name))
     if path.is_dir():
         raise SceneError("is a directory, not a file; name a file in it", name)
-    raise SceneError("unknown kind of file; a scene ends in .yaml, .yml, .json or .geojson", name)
+    if suffix == ".map":
+        return movingai.load_map(path)
+    raise SceneError("unknown kind of file; a scene ends in .yaml, .yml, .json, .geojson or .map", name)
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:

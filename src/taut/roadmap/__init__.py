@@ -3,6 +3,7 @@
 from taut.roadmap.cells import cells_roadmap
 from taut.roadmap.core import LocatedRoadmap, Roadmap
 from taut.roadmap.grid import grid_roadmap
+from taut.roadmap.lanes import Lanes, LanesError, LanesRoadmap, closed_lanes, grid_lanes, lanes_roadmap
 from taut.roadmap.places import PlacesRoadmap, SharedRoadmap, places_roadmap, shared_roadmap
 from taut.roadmap.polylines import polyline_roadmap
 from taut.roadmap.sampled import sampled_roadmap
@@ -10,6 +11,9 @@ from taut.roadmap.visibility import VisibilityGraph, visibility_graph
 from taut.roadmap.voronoi import VoronoiRoadmap, voronoi_roadmap
 
 __all__ = [
+    "Lanes",
+    "LanesError",
+    "LanesRoadmap",
     "LocatedRoadmap",
     "PlacesRoadmap",
     "Roadmap",
@@ -17,7 +21,10 @@ __all__ = [
     "VisibilityGraph",
     "VoronoiRoadmap",
     "cells_roadmap",
+    "closed_lanes",
+    "grid_lanes",
     "grid_roadmap",
+    "lanes_roadmap",
     "places_roadmap",
     "polyline_roadmap",
     "sampled_roadmap",

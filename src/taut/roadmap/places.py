@@ -1,7 +1,8 @@
 """Places to wait and to dodge: a tangent graph enriched so that robots can let each other pass.
 
 A tangent roadmap alone has vertices only at corners; an empty hall has none. Here it is joined with a square lattice
-over the free space (16 directions), the middles of narrow passages and the dead ends of bays.
+over the free space (16 directions), the middles of narrow passages, the dead ends of bays, and a second lane round the
+corners, on which a robot passes another one that is pulled taut round them.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from taut.freespace import FreeSpace
@@ -90,7 +92,7 @@ def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     spacing = spacing_for(freespace, separation)
     places, triangles = np.empty((0, 2)), np.empty(0, dtype=np.int64)
     if math.isfinite(spacing) and len(mesh.triangles):
-        places, triangles = _places(mesh, spacing)
+        places, triangles = _places(mesh, spacing, separation)
     positions = np.concatenate([corners, places])
     holders = np.concatenate([mesh.wedges[wedges, 3], triangles])
     pairs = [
@@ -104,8 +106,8 @@ def places_roadmap(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
     return PlacesRoadmap(positions, graph, freespace, holders, spacing, KDTree(places), both_ways(graph), tangents)
 
 
-def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:
-    """Lattice places, then middles of passages, middles of triangles and dead ends that no place nearby sees yet."""
+def _places(mesh: Triangulation, spacing: float, separation: float) -> tuple[Floats, Ints]:
+    """Lattice places; dead ends, middles of passages and triangles that no place nearby sees yet; the second lane."""
     candidates = lattice(mesh, spacing).reshape(-1, 2)
     triangles = mesh.locate(candidates)
     places, triangles = candidates[triangles >= 0], triangles[triangles >= 0]
@@ -116,6 +118,8 @@ def _places(mesh: Triangulation, spacing: float) -> tuple[Floats, Ints]:
         (mesh.vertices[mesh.triangles].mean(axis=1), 0.6),
     ):
         places, triangles = _add_unseen(mesh, places, triangles, candidates, near * spacing)
+    lane, holders = _second_lane(mesh, separation)
+    places, triangles = np.concatenate([places, lane]), np.concatenate([triangles, holders])
     # a place where free space touches itself would let robots through
     passable = ~mesh.on_pinch(places)
     return places[passable], triangles[passable]
@@ -135,6 +139,32 @@ def _dead_ends(mesh: Triangulation) -> Floats:
     return np.asarray(mesh.vertices[narrow])
 
 
+def _second_lane(mesh: Triangulation, separation: float) -> tuple[Floats, Ints]:
+    """Free places ``separation`` metres off the corners, away from the obstacle, at least as far from each other."""
+    wedges = mesh.wedges[mesh.wedge_turns > 0, :3]
+    corner, before, after = (mesh.vertices[wedges[:, k]] for k in range(3))
+    inward = _unit(before - corner) + _unit(after - corner)
+    sharp = np.hypot(*inward.T) > 1e-9
+    candidates = corner[sharp] - (1 + 1e-9) * separation * _unit(inward[sharp])
+    holders = mesh.locate(candidates)
+    candidates, holders = candidates[holders >= 0], holders[holders >= 0]
+    kept = _thinned(len(candidates), _pairs_within(candidates, separation))
+    return candidates[kept], holders[kept]
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.hypot(*vectors.T)[:, None])
+
+
+def _thinned(n: int, pairs: Ints) -> NDArray[np.bool_]:
+    """Whether each of n is kept where of each pair the later one goes, unless the earlier is gone."""
+    kept = np.ones(n, dtype=np.bool_)
+    for earlier, later in pairs.tolist():
+        if kept[earlier]:
+            kept[later] = False
+    return kept
+
+
 def _add_unseen(
     mesh: Triangulation, places: Floats, triangles: Ints, candidates: Floats, near: float
 ) -> tuple[Floats, Ints]:
@@ -150,10 +180,7 @@ def _add_unseen(
     candidates, holders = candidates[alone], holders[alone]
     pairs = _pairs_within(candidates, near)
     pairs = pairs[see_each_other(mesh, candidates, holders, pairs[:, 0].copy(), pairs[:, 1].copy())]
-    kept = np.ones(len(candidates), dtype=bool)
-    for earlier, later in pairs.tolist():
-        if kept[earlier]:
-            kept[later] = False
+    kept = _thinned(len(candidates), pairs)
     return np.concatenate([places, candidates[kept]]), np.concatenate([triangles, holders[kept]])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -10,8 +11,11 @@ import shapely
 from taut.errors import GoalBlocked, NoPath, StartBlocked
 from taut.freespace import FreeSpace, without_discs
 from taut.roadmap import (
+    Lanes,
     LocatedRoadmap,
     SharedRoadmap,
+    closed_lanes,
+    lanes_roadmap,
     places_roadmap,
     polyline_roadmap,
     shared_roadmap,
@@ -20,6 +24,7 @@ from taut.roadmap import (
 from taut.route import WAYS, CentralRoute, Route, attach, direct_lengths, routes_between, shortest_routes
 from taut.scene import Robot, Scene
 from taut.team._conflict_kernels import Floats, Ints
+from taut.team.lane_ends import lane_ways
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
 
 
@@ -30,7 +35,8 @@ class World:
     ----------
     scene : the map and the team.
     way : on what they move: a name of `taut.route.WAYS`. With "visibility" these are tangents and places to pass, and
-        routes are shortest; else only that roadmap, or that way's routes, and the robots' own additions.
+        routes are shortest; else only that roadmap, or that way's routes, and the robots' own additions. Or lanes: then
+        these alone, in their directions and within their speed limits, and straight ways onto them.
     seed : of roadmaps made at random.
 
     Raises
@@ -39,14 +45,19 @@ class World:
         A robot cannot stand at its start or goal, or that way finds no route between them.
     """
 
-    def __init__(self, scene: Scene, way: str = "visibility", seed: int = 0) -> None:
+    def __init__(self, scene: Scene, way: str | Lanes = "visibility", seed: int = 0) -> None:
         self.scene = scene
+        self._stations: dict[int, Floats] = {}
         robots = scene.robots
         self._growths = [scene.growth(robot) for robot in robots]
         self._shared: dict[float, SharedRoadmap] = {}
         self._joined: list[tuple[Ints, Ints]] = [(np.empty(0, dtype=np.int64),) * 2] * len(robots)
         routes: list[Route | None] = [None] * len(robots)
         shortest: Floats = np.empty(len(robots))
+        self._own: list[OwnRoadmap | None] = [None] * len(robots)
+        self._on_lanes = isinstance(way, Lanes)
+        self._seconds: Floats = np.empty(len(robots))
+        notes: list[str] = []
         for growth in dict.fromkeys(self._growths):
             group = [i for i, g in enumerate(self._growths) if g == growth]
             freespace = FreeSpace(scene, growth)
@@ -54,7 +65,16 @@ class World:
                 freespace.require(robots[i])
             radius = max(robots[i].radius for i in group)
             separation = 2 * radius + scene.gap if len(robots) > 1 else math.inf
-            if way == "visibility":
+            if isinstance(way, Lanes):
+                lanes = lanes_roadmap(way, freespace, separation)
+                ways = lane_ways(way, lanes, [robots[i] for i in group])
+                found = [on_lanes.route for on_lanes in ways]
+                shortest[group] = _straightest(freespace, [robots[i] for i in group])
+                self._shared[growth] = lanes
+                for i, on_lanes in zip(group, ways, strict=True):
+                    self._own[i], self._seconds[i] = on_lanes.own, on_lanes.seconds
+                notes.append(closed_lanes(way, lanes))
+            elif way == "visibility":
                 places = places_roadmap(freespace, separation)
                 ends = attach(freespace, places.tangents, [p for i in group for p in (robots[i].start, robots[i].goal)])
                 found = routes_between(freespace, places.tangents, ends)
@@ -65,8 +85,7 @@ class World:
             else:
                 prepared = WAYS[way](scene, growth, seed)
                 found = [_allowed(prepared.ask(robots[i]).route, robots[i]) for i in group]
-                starts, goals = ([getattr(robots[i], end) for i in group] for end in ("start", "goal"))
-                shortest[group] = direct_lengths(freespace, starts, goals)[0]
+                shortest[group] = _straightest(freespace, [robots[i] for i in group])
                 roadmap = prepared.roadmap
                 if not isinstance(roadmap, LocatedRoadmap):
                     roadmap = polyline_roadmap(freespace, [route.points for route in found])
@@ -75,8 +94,10 @@ class World:
                 routes[i] = route
         self.routes = [route for route in routes if route is not None]
         self.shortest = shortest
+        self.notes = tuple(note for note in notes if note)
+        if not self._on_lanes:
+            self._seconds = np.array([r.length / robot.speed for r, robot in zip(self.routes, robots, strict=True)])
         self._detours: list[Route | None] = [None] * len(robots)
-        self._own: list[OwnRoadmap | None] = [None] * len(robots)
         self._ends: Floats = np.array([p for r in robots for p in (r.start, r.goal)], dtype=np.float64).reshape(-1, 2)
         self._radii: Floats = np.repeat(np.array([r.radius for r in robots], dtype=np.float64), 2)
         self._nearby = shapely.STRtree(shapely.points(self._ends))
@@ -87,11 +108,29 @@ class World:
         finite = [s.spacing for s in self._shared.values() if math.isfinite(s.spacing)]
         return min(finite, default=math.inf)
 
+    def bound(self, objective: str) -> tuple[str, float]:
+        """What no plan can beat as every robot needs so long alone: the model, and seconds of the objective.
+
+        The model is "plane": no way is shorter than the shortest in free space; on lanes it is "roadmap".
+        """
+        speeds = np.array([robot.speed for robot in self.scene.robots])
+        alone = self._seconds if self._on_lanes else self.shortest / speeds
+        model = "roadmap" if self._on_lanes else "plane"
+        if objective == "makespan":
+            since = np.array([robot.start_time for robot in self.scene.robots])
+            return model, float(np.where(alone > 0, since + alone, 0.0).max(initial=0.0))
+        return model, float(alone.sum())
+
+    @property
+    def soonest(self) -> Floats:
+        """When each robot would arrive if it were alone, (n,) seconds."""
+        since = np.array([robot.start_time for robot in self.scene.robots])
+        return np.asarray(np.where(self._seconds > 0, since + self._seconds, 0.0))
+
     @property
     def horizon(self) -> float:
         """Seconds by which all robots would have arrived if nobody waited."""
-        pairs = zip(self.scene.robots, self.routes, strict=True)
-        return max(robot.start_time + route.length / robot.speed for robot, route in pairs) or 1.0
+        return float(self.soonest.max()) or 1.0
 
     @property
     def moment(self) -> float:
@@ -119,9 +158,16 @@ class World:
                 routes,
                 self._ends[near],
                 self._keeps_from(i)[near],
+                self._stations.get(i, np.empty((0, 2))),
             )
             self._own[i] = known
         return known
+
+    def enrich(self, i: int, places: Floats) -> None:
+        """Give robot i stations of its own at those of (k, 2) places that are free; on lanes there are none."""
+        if not self._on_lanes:
+            self._stations[i] = places[self.shared(i).freespace.mesh.locate(places) >= 0]
+            self._own[i] = None
 
     def body(self, i: int) -> Floats:
         """Radius, gap in planning and headway of robot i, as the kernels want them."""
@@ -129,9 +175,12 @@ class World:
         return np.array([scene.robots[i].radius, scene.gap - scene.tol / 2, scene.headway])
 
     def avoid_all_ends(self, i: int) -> bool:
-        """Give robot i a route that keeps clear of all other robots' starts and goals; False if there is no new one."""
+        """Give robot i a route that keeps clear of all other robots' starts and goals; False if there is no new one.
+
+        On lanes there is never a new one: every way that they lead is known already.
+        """
         robot = self.scene.robots[i]
-        if self._detours[i] is not None or robot.start == robot.goal:
+        if self._on_lanes or self._detours[i] is not None or robot.start == robot.goal:
             return False
         others = np.flatnonzero(np.arange(len(self._ends)) // 2 != i)
         apart = without_discs(self.shared(i).freespace, self._ends[others], self._keeps_from(i)[others])
@@ -155,6 +204,11 @@ class World:
         near = np.sort(self._nearby.query(line, predicate="dwithin", distance=float(keeps.max())))
         near = near[near // 2 != i]
         return np.asarray(near[shapely.distance(line, shapely.points(self._ends[near])) < keeps[near]])
+
+
+def _straightest(freespace: FreeSpace, robots: Sequence[Robot]) -> Floats:
+    """Shortest lengths in the plane from start to goal, metres."""
+    return direct_lengths(freespace, [robot.start for robot in robots], [robot.goal for robot in robots])[0]
 
 
 def _allowed(route: Route, robot: Robot) -> Route:
