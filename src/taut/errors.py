@@ -90,6 +90,7 @@ class NoPlanFound(TautError):
     robots : the robot that failed first, then the robots in its way.
     time : seconds at which it got no further, if known.
     place : (x, y) in metres of that point, if known.
+    diagnosis : why, and what may help, in sentences for people; see `taut.team.diagnosis`.
     """
 
     exit_code = 1
@@ -100,9 +101,38 @@ class NoPlanFound(TautError):
         robots: Sequence[str] = (),
         time: float | None = None,
         place: tuple[float, float] | None = None,
+        diagnosis: Sequence[str] = (),
     ) -> None:
         self.reason = reason
         self.robots = tuple(robots)
         self.time = time
         self.place = place
+        self.diagnosis = tuple(one_line(sentence) for sentence in diagnosis)
+        super().__init__(reason)
+
+
+class NoPlanExists(TautError):
+    """It is proved that no plan for the team exists, whatever the roadmap, the speeds and the time given.
+
+    Parameters
+    ----------
+    reason : why, in words.
+    robots : the two that cannot both reach their goals.
+    place : (x, y) in metres where they are in each other's way, if known.
+    diagnosis : more on why, and what would help, in sentences for people; see `taut.team.impossibility`.
+    """
+
+    exit_code = 1
+
+    def __init__(
+        self,
+        reason: str,
+        robots: Sequence[str] = (),
+        place: tuple[float, float] | None = None,
+        diagnosis: Sequence[str] = (),
+    ) -> None:
+        self.reason = reason
+        self.robots = tuple(robots)
+        self.place = place
+        self.diagnosis = tuple(one_line(sentence) for sentence in diagnosis)
         super().__init__(reason)
