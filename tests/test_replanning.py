@@ -15,6 +15,7 @@ from strategies import team_scenes
 from taut import (
     Circle,
     NoPath,
+    NoPlanExists,
     NoPlanFound,
     Plan,
     Rectangle,
@@ -127,7 +128,7 @@ def test_bad_changes_are_refused_in_one_line() -> None:
         with_obstacle(old, Circle((2, 1), 0.5))
     with pytest.raises(SceneError, match="O1"):
         with_obstacle(old, Circle((2, 1), 0.5, name="O1"))
-    with pytest.raises((NoPath, NoPlanFound)):
+    with pytest.raises((NoPath, NoPlanExists, NoPlanFound)):
         with_obstacle(old, Rectangle(0, 14.5, 16, 0.5, name="bar"))
     with pytest.raises(SceneError, match="no robots"):
         replan(old, Scene((0, 0, 4, 4)))
@@ -139,7 +140,7 @@ def test_whatever_is_added_the_result_certifies_and_keeps_what_it_says(
     scene: Scene, x: float, y: float, size: float
 ) -> None:
     try:
-        old = plan(scene, rounds=4).plan
+        old = plan(scene).plan
     except TautError:
         return
     low, high = np.array(scene.workspace).min(axis=0), np.array(scene.workspace).max(axis=0)

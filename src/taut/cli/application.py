@@ -13,8 +13,8 @@ from typing import Annotated, Any, TextIO, cast
 import typer
 
 from taut.cli import INTERRUPTED, compare_command, graph_command, plan_commands, replan_command, scene_commands
-from taut.cli.output import say_error
-from taut.errors import OutputError, TautError
+from taut.cli.output import printable, say_error
+from taut.errors import NoPlanExists, NoPlanFound, OutputError, TautError
 
 INTERNAL_ERROR = 70
 BROKEN_PIPE = 141
@@ -136,6 +136,9 @@ def _explained(error: BaseException, debug: bool) -> int:
     """Say in one line why a command ended, and return its exit code."""
     if isinstance(error, typer.Abort) or _was_interrupted(error):
         return _fail("interrupted", INTERRUPTED, debug)
+    if isinstance(error, NoPlanExists | NoPlanFound):
+        # under the line that says it, why and what may help
+        return _fail(str(error), error.exit_code, debug, error.diagnosis)
     if isinstance(error, TautError):
         return _fail(str(error), error.exit_code, debug)
     if isinstance(error, OSError):
@@ -165,11 +168,13 @@ def _help_words(error: BaseException) -> str:
     return f"{context.command_path} --help" if context is not None else "taut --help"
 
 
-def _fail(message: str, code: int, debug: bool) -> int:
+def _fail(message: str, code: int, debug: bool, more: Sequence[str] = ()) -> int:
     if debug:
         traceback.print_exc()
     try:
         say_error(message)
+        for line in more:
+            print(f"  {printable(line)}", file=sys.stderr)
     except OSError:
         sys.stderr = _silenced(sys.stderr)
     return code

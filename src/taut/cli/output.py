@@ -14,7 +14,7 @@ from typing import NoReturn
 
 import typer
 
-from taut.errors import NoPath, NoPlanFound, OutputError, SceneError, one_line
+from taut.errors import NoPath, NoPlanExists, NoPlanFound, OutputError, SceneError, one_line
 
 
 def printable(text: str) -> str:
@@ -92,7 +92,7 @@ def about(source: str) -> Iterator[None]:
         if error.file is not None:
             raise
         raise error.at(source) from error
-    except (NoPath, NoPlanFound) as error:
+    except (NoPath, NoPlanExists, NoPlanFound) as error:
         error.args = (one_line(f"{source}: {error}"),)
         raise
 

@@ -18,8 +18,10 @@ from taut.cli.options import (
     GraphOption,
     JsonOption,
     Method,
+    Objective,
     Order,
     RoadmapName,
+    RoadmapOption,
     SceneArgument,
     WeightName,
 )
@@ -38,13 +40,18 @@ def plan(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="PLAN", help="Write the plan (.json).")
     ] = None,
-    method: Annotated[Method, typer.Option(help="How the team is planned.")] = Method.prioritized,
-    order: Annotated[Order, typer.Option(help="Which robots are planned first.")] = Order.shortest,
-    roadmap: Annotated[RoadmapName, typer.Option(help="On what the robots move.")] = RoadmapName.visibility,
-    seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop trying after S seconds.")] = None,
-    rounds: Annotated[
-        int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")
+    method: Annotated[
+        Method | None,
+        typer.Option(help="How the team is planned; repair with --rounds or --seconds, else prioritized."),
     ] = None,
+    order: Annotated[Order, typer.Option(help="Which robots are planned first.")] = Order.shortest,
+    roadmap: RoadmapOption = RoadmapName.visibility.value,
+    seconds: Annotated[float | None, typer.Option(metavar="S", help="Improve the plan for S seconds.")] = None,
+    rounds: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Improve it, or try, for N rounds.")
+    ] = None,
+    objective: Annotated[Objective, typer.Option(help="What repair and optimal make least.")] = Objective.sum_of_costs,
+    within: Annotated[float, typer.Option(metavar="F", help="Optimal: a plan may cost F times the bound.")] = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     weight: Annotated[
         WeightName | None, typer.Option(help="What an edge weighs in λ2 (with --method mrppa; one if not given).")
@@ -68,7 +75,7 @@ def plan(
     for given, option in ((weight, "--weight"), (split, "--split")):
         if given is not None and method is not Method.mrppa:
             raise typer.BadParameter("belongs to --method mrppa", param_hint=option)
-    if method is Method.mrppa and roadmap is not RoadmapName.visibility:
+    if method is Method.mrppa and roadmap != RoadmapName.visibility:
         raise typer.BadParameter("--method mrppa works on the visibility graph", param_hint="--roadmap")
     never = Path(scene)
     require_writable(output, "a plan", (".json",), never)
@@ -83,27 +90,26 @@ def plan(
                     f"{path} must not be among the stages; choose another folder", param_hint="--stages"
                 )
 
-    from taut.formats import load_scene, save
+    from taut.formats import load_roadmap, load_scene, save
     from taut.team import plan as plan_team
     from taut.team.mrppa import split_names
-    from taut.team.telling import stage_data
+    from taut.team.telling import so_far, stage_data
 
     began = time.perf_counter()
     world = load_scene(scene)
+    ground = roadmap if roadmap in list(RoadmapName) else load_roadmap(roadmap)
     with about(scene), progress(f"planning {len(world.robots)} robots") as tell:
-
-        def passed(number: int, failed: int) -> None:
-            tell(f"round {number}, {failed} robots failed")
-
         result = plan_team(
             world,
-            method=method.value,
+            method=None if method is None else method.value,
             order=order.value,
-            roadmap=roadmap.value,
+            roadmap=ground,
             seed=seed,
             rounds=rounds,
             seconds=seconds,
-            progress=passed,
+            progress=lambda now: tell(so_far(now)),
+            objective=objective.value,
+            within=within,
             weight=None if weight is None else weight.value,
             split=None if split is None else _names(split, split_names(world)),
         )

@@ -171,7 +171,9 @@ def warmup(as_json: JsonOption = False) -> None:
     robots = [Robot("R1", (1, 5), (9, 5), radius=0.3), Robot("R2", (9, 5.5), (1, 4.5), radius=0.3)]
     tiny = Scene((0, 0, 10, 10), [wall], robots, gap=0.05)
     with progress("compiling"):
-        certificate = certify(plan_team(tiny).plan)
+        certificate = certify(plan_team(tiny, rounds=1).plan)
+        for method in ("search", "optimal"):
+            plan_team(tiny, method)
         free = FreeSpace.of(tiny, robots[0])
         visibility_graph(free, edges="all", points=[robots[0].start])
         shortest_path(free, robots[0].start, robots[0].goal)

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -14,18 +13,16 @@ from taut.certificate import Certificate, certify
 from taut.errors import SceneError
 from taut.graph import WEIGHTS, Weight
 from taut.motion import Plan
+from taut.roadmap import Lanes
 from taut.route import WAYS
 from taut.scene import Scene
 from taut.team.conflicts import conflicts_met, why_later
-from taut.team.mrppa import mrppa_stages
-from taut.team.prioritized import MOST_ROUNDS, Round, no_plan_found, plan_rounds
+from taut.team.methods import METHODS, OBJECTIVES, ORDERS, Asked, Order, Progress
+from taut.team.prioritized import Round
+from taut.team.repair import Objective
 from taut.team.stages import SequenceStage, Stage
 from taut.team.world import World
 from taut.validation import validate
-
-Order = Literal["shortest", "longest", "given"]
-ORDERS: tuple[Order, ...] = ("shortest", "longest", "given")
-METHODS = ("prioritized", "mrppa")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +37,8 @@ class Result:
     shortest : (n,) metres, shortest length of each robot alone.
     detours : per robot, why it is not shorter or earlier; "" if nothing delayed it.
     stages : what was done, step by step: those of MRPPA with that method, and always the planning in sequence.
+    history : (seconds from the beginning, cost in seconds of the objective) of the first plan and of each better one.
+    phases : seconds that "roadmaps", "planning" and "certificate" took.
     """
 
     plan: Plan
@@ -48,37 +47,50 @@ class Result:
     shortest: np.ndarray
     detours: tuple[str, ...]
     stages: tuple[Stage, ...]
+    history: tuple[tuple[float, float], ...]
+    phases: Mapping[str, float]
 
 
 def plan(
     scene: Scene,
-    method: str = "prioritized",
+    method: str | None = None,
     order: Order = "shortest",
     seed: int = 0,
     rounds: int | None = None,
     seconds: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[Progress], None] | None = None,
     weight: Weight | str | None = None,
     split: Sequence[str] | None = None,
-    roadmap: str = "visibility",
+    roadmap: str | Lanes = "visibility",
+    objective: Objective = "sum_of_costs",
+    within: float = 1.0,
 ) -> Result:
     """Plan the team and certify the plan.
 
     Parameters
     ----------
-    method : "prioritized": robots one after another, failed ones moved to the front and all planned anew. "mrppa": the
-        same with the stages of the thesis before it: the visibility graph cut in two and bridged by λ2.
+    method : None for "repair" where rounds or seconds are given, else "prioritized".
+
+        - "prioritized": robots one after another, failed ones moved to the front and all planned anew.
+        - "mrppa": the same with the stages of the thesis before it: the visibility graph cut in two, bridged by λ2.
+        - "search": priorities between pairs of robots, searched until all get through (Ma et al., AAAI 2019).
+        - "repair": a plan by passes in order, then improved: a few robots that hinder each other are planned anew.
+        - "optimal": conflict-based search: least cost on this roadmap, with a proven lower bound at any moment.
     order : who is planned first: "shortest" or "longest" way (by time), or as "given" in the scene.
-    seed : of the shuffles that break a cycle of orders; same input, seed and rounds give the same plan, bit for bit.
-    rounds : greatest number of passes over the team, 24 by default.
-    seconds : passes after the first are given up after this time.
-    progress : called after each pass with its number and how many robots failed in it.
+    seed : of everything drawn at random; same input, seed and rounds give the same plan, bit for bit.
+    rounds : at most so many passes over the team (24 by default), rounds of repair (40 by default, none after the
+        seconds if these are given), nodes of a search.
+    seconds : when they are over the best plan so far is returned; the first pass over the team is always finished.
+    progress : called now and then with how far it has come. Ctrl-C during repair or a proof returns the best plan.
     weight : with "mrppa": weight in λ2 of an edge, from its length; a name of `taut.graph.WEIGHTS` or a function of
         an array of metres. By default "one": a distance would reward the longest edge.
     split : with "mrppa": names of one side of the cut ("O1", "R1 start", "R2 goal") instead of the Fiedler vector's.
     roadmap : on what the robots move, a name of `taut.route.WAYS`: "visibility" (tangents, and places to pass) or
         another roadmap, or the routes that another way of planning gives them; all with their own places to wait at
-        along these routes and ways round others' starts and goals.
+        along these routes and ways round others' starts and goals. Or `Lanes`: robots then move on these alone, in
+        their directions and within their speed limits; a start or goal that is no vertex is joined with the nearest.
+    objective : with "repair" and "optimal": what is to be least, "sum_of_costs" or "makespan".
+    within : with "optimal": the plan may cost up to so many times the bound.
 
     Raises
     ------
@@ -86,80 +98,126 @@ def plan(
         The scene cannot be planned as it is (see `taut.validation.validate`), or an option is unknown.
     NoPath
         Obstacles separate a robot's start and goal, or the roadmap does not join them.
+    NoPlanExists
+        Two robots provably cannot both reach their goals; says where, and what would help.
     NoPlanFound
-        No pass got all robots through; names the robots in the way, place and time.
+        Not all robots got through; names the robots in the way, place and time, and what may help.
     """
     began = time.monotonic()
-    if method not in METHODS:
-        raise SceneError(f"method {method!r} is not one of {', '.join(METHODS)}")
-    if order not in ORDERS:
-        raise SceneError(f"order {order!r} is not one of {', '.join(ORDERS)}")
-    most, until = limits(began, seed, rounds, seconds)
-    weigh = _weight(method, weight)
-    if split is not None and method != "mrppa":
-        raise SceneError('split belongs to the method "mrppa"')
-    if roadmap not in WAYS:
-        raise SceneError(f"roadmap {roadmap!r} is not one of {', '.join(WAYS)}")
-    if roadmap != "visibility" and method == "mrppa":
-        raise SceneError('the method "mrppa" works on the visibility graph; leave roadmap out')
+    chosen = method or ("prioritized" if rounds is None and seconds is None else "repair")
+    _check(chosen, order, objective, within, split, roadmap)
+    if rounds == 0 and chosen != "repair":
+        raise SceneError(f"rounds must be at least 1 for {chosen}, got 0")
+    asked = Asked(
+        order,
+        seed,
+        rounds,
+        deadline(began, seed, rounds, seconds),
+        objective,
+        within,
+        _weight(chosen, weight),
+        split,
+        progress or _silent,
+    )
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
     world = World(scene, roadmap, seed)
-    first = first_order(scene, world.shortest, order)
-    graph_stages = mrppa_stages(scene, first, weigh, split) if method == "mrppa" else ()
-    best, done = plan_rounds(world, first, np.random.default_rng(seed), most, until, progress)
-    if best.failures:
-        raise no_plan_found(scene, best, done)
+    ready = time.monotonic()
+    found = METHODS[chosen](world, asked)
+    planned = time.monotonic()
     planner = {
-        "method": method,
-        "roadmap": roadmap,
-        "order": [scene.robots[i].name for i in best.order],
+        "method": chosen,
+        "roadmap": roadmap.source if isinstance(roadmap, Lanes) else roadmap,
+        "order": [scene.robots[i].name for i in found.plan.order],
         "seed": seed,
-        "rounds": done,
-        "seconds": round(time.monotonic() - began, 3),
+        **({} if objective == "sum_of_costs" else {"objective": objective}),
+        **found.record,
+        "seconds": round(planned - began, 3),
     }
-    final, certificate = certified(world, best, planner)
-    met = conflicts_met(world, best)
+    final, certificate = certified(world, found.plan, planner, objective, found.bound)
+    proved = time.monotonic()
+    met = conflicts_met(world, found.plan)
     names = [robot.name for robot in scene.robots]
-    sequence = SequenceStage(final, tuple(names[i] for i in best.order), dict(zip(names, met, strict=True)))
-    return Result(final, certificate, notes, world.shortest, tuple(map(why_later, met)), (*graph_stages, sequence))
+    order_of_names = tuple(names[i] for i in found.plan.order)
+    sequence = SequenceStage(final, order_of_names, dict(zip(names, met, strict=True)))
+    return Result(
+        final,
+        certificate,
+        (*notes, *world.notes),
+        world.shortest,
+        tuple(map(why_later, met)),
+        (*found.stages, sequence),
+        tuple((at - began, cost) for at, cost in found.history),
+        {"roadmaps": ready - began, "planning": planned - ready, "certificate": proved - planned},
+    )
 
 
-def limits(began: float, seed: int, rounds: int | None, seconds: float | None) -> tuple[int, float]:
-    """Greatest number of rounds, and until when by the monotonic clock planning may go on.
+def deadline(began: float, seed: int, rounds: int | None, seconds: float | None) -> float:
+    """Until when by the monotonic clock planning may go on.
 
     Raises
     ------
     SceneError
-        One of them, or the seed, makes no sense.
+        Rounds, seconds or seed make no sense.
     """
-    most = MOST_ROUNDS if rounds is None else rounds
-    if not isinstance(most, int) or most < 1:
-        raise SceneError(f"rounds must be at least 1, got {rounds}")
-    if not isinstance(seed, int) or seed < 0:
+    if rounds is not None and (isinstance(rounds, bool) or not isinstance(rounds, int) or rounds < 0):
+        raise SceneError(f"rounds must be at least 0, got {rounds}")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise SceneError(f"seed must be at least 0, got {seed}")
     if seconds is not None and not seconds > 0:
         raise SceneError(f"seconds must be positive, got {seconds}")
-    return most, math.inf if seconds is None else began + seconds
+    return math.inf if seconds is None else began + seconds
 
 
-def certified(world: World, done: Round, planner: Mapping[str, object]) -> tuple[Plan, Certificate]:
-    """Return a round without failures as a plan that carries its certificate and bound, and the certificate."""
-    speeds = np.array([robot.speed for robot in world.scene.robots])
-    bound = {"model": "plane", "value": float((world.shortest / speeds).sum())}
+def certified(
+    world: World,
+    done: Round,
+    planner: Mapping[str, object],
+    objective: Objective = "sum_of_costs",
+    proven: float | None = None,
+) -> tuple[Plan, Certificate]:
+    """Return a round without failures as a plan that carries its certificate and bound, and the certificate.
+
+    ``proven`` is a bound on this roadmap, where one was proven; without it the robots' ways on their own give one.
+    """
+    model, value = world.bound(objective)
+    if proven is not None and proven > value:
+        model, value = "roadmap", proven
+    bound: dict[str, object] = {"model": model, "value": value}
+    if objective != "sum_of_costs":
+        bound["of"] = objective
     found = tuple(motion for motion in done.trajectories if motion is not None)
     certificate = certify(Plan(world.scene, found, planner, {}, bound))
     return Plan(world.scene, found, planner, {}, bound, certificate.as_dict()), certificate
 
 
-def first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:
-    """Robots in the sequence in which the first round plans them; ``shortest`` (n,) are metres."""
-    seconds = shortest / np.array([r.speed for r in scene.robots])
-    if order == "given":
-        return list(range(len(seconds)))
-    ranked = np.argsort(seconds if order == "shortest" else -seconds, kind="stable")
-    return [int(i) for i in ranked]
+def _silent(progress: Progress) -> None:
+    """Tell nobody."""
+
+
+def _check(
+    method: str, order: str, objective: str, within: float, split: Sequence[str] | None, roadmap: str | Lanes
+) -> None:
+    for what, given, known in (
+        ("method", method, METHODS),
+        ("order", order, ORDERS),
+        ("objective", objective, OBJECTIVES),
+    ):
+        if given not in known:
+            raise SceneError(f"{what} {given!r} is not one of {', '.join(known)}")
+    if split is not None and method != "mrppa":
+        raise SceneError('split belongs to the method "mrppa"')
+    if not isinstance(roadmap, Lanes) and roadmap not in WAYS:
+        raise SceneError(f"roadmap {roadmap!r} is not one of {', '.join(WAYS)}, nor Lanes (see taut.load_roadmap)")
+    if roadmap != "visibility" and method == "mrppa":
+        raise SceneError('the method "mrppa" works on the visibility graph; leave roadmap out')
+    if objective != "sum_of_costs" and method not in ("repair", "optimal"):
+        raise SceneError(f'the objective {objective!r} belongs to the methods "repair" and "optimal"')
+    if not 1.0 <= within < math.inf:
+        raise SceneError(f"within must be a factor of at least 1, got {within}")
+    if within != 1.0 and method != "optimal":
+        raise SceneError('within belongs to the method "optimal"')
 
 
 def _weight(method: str, weight: Weight | str | None) -> Weight:

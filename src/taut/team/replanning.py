@@ -11,10 +11,13 @@ import numpy as np
 from taut.certificate import Certificate, certify
 from taut.errors import SceneError
 from taut.motion import Plan, Trajectory
+from taut.roadmap import Lanes
 from taut.route import WAYS
 from taut.scene import Robot, Scene
-from taut.team.planning import certified, first_order, limits
-from taut.team.prioritized import Round, no_plan_found, plan_rounds
+from taut.team.explaining import no_plan
+from taut.team.methods import first_order
+from taut.team.planning import certified, deadline
+from taut.team.prioritized import MOST_ROUNDS, Round, plan_rounds
 from taut.team.world import World
 from taut.validation import validate
 
@@ -43,7 +46,12 @@ class Replanned:
 
 
 def replan(
-    plan: Plan, scene: Scene, seed: int = 0, rounds: int | None = None, seconds: float | None = None
+    plan: Plan,
+    scene: Scene,
+    seed: int = 0,
+    rounds: int | None = None,
+    seconds: float | None = None,
+    roadmap: str | Lanes | None = None,
 ) -> Replanned:
     """Keep of a plan what still holds in a changed scene and plan the other robots round that.
 
@@ -55,11 +63,12 @@ def replan(
     ----------
     plan : the older plan.
     scene : the scene as it is now.
-    seed, rounds, seconds : as in `taut.plan`.
+    seed, rounds, seconds : as in `taut.plan`; rounds are passes over the team.
+    roadmap : as in `taut.plan`; None for that of the older plan, which a plan made on lanes does not hold.
 
     Raises
     ------
-    SceneError, NoPath, NoPlanFound
+    SceneError, NoPath, NoPlanExists, NoPlanFound
         As `taut.plan`.
 
     >>> from dataclasses import replace
@@ -71,23 +80,23 @@ def replan(
     began = time.monotonic()
     if not isinstance(plan, Plan):
         raise TypeError(f"replan wants a Plan and a Scene, not a {type(plan).__name__}; pass result.plan")
-    most, until = limits(began, seed, rounds, seconds)
+    until = deadline(began, seed, rounds, seconds)
+    way = _way(plan, roadmap)
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
     known, reasons = _known(plan, scene)
     reasons |= _broken(scene, known)
-    roadmap = str(plan.planner.get("roadmap"))
-    roadmap = roadmap if roadmap in WAYS else "visibility"
-    world = World(scene, roadmap, seed)
+    world = World(scene, way, seed)
+    most = MOST_ROUNDS if rounds is None else rounds
     best, done = _planned(world, known, reasons, seed, most, until)
     if best.failures:
-        raise no_plan_found(scene, best, done)
+        raise no_plan(world, best, done)
     names = [robot.name for robot in scene.robots]
     kept = tuple(name for name in names if name not in reasons)
     planner = {
         "method": "replanned",
-        "roadmap": roadmap,
+        "roadmap": way.source if isinstance(way, Lanes) else way,
         "kept": list(kept),
         "order": [names[i] for i in best.order],
         "seed": seed,
@@ -96,6 +105,20 @@ def replan(
     }
     final, certificate = certified(world, best, planner)
     return Replanned(final, certificate, kept, {name: reasons[name] for name in names if name in reasons}, notes)
+
+
+def _way(plan: Plan, roadmap: str | Lanes | None) -> str | Lanes:
+    """On what to plan."""
+    if roadmap is None:
+        known = plan.planner.get("roadmap", "visibility")
+        if isinstance(known, str) and known in WAYS:
+            return known
+        raise SceneError(
+            f"the plan was made on the roadmap {known!r}, which it does not hold; give the roadmap to replan"
+        )
+    if not isinstance(roadmap, Lanes) and roadmap not in WAYS:
+        raise SceneError(f"roadmap {roadmap!r} is not one of {', '.join(WAYS)}, nor Lanes (see taut.load_roadmap)")
+    return roadmap
 
 
 def _known(plan: Plan, scene: Scene) -> tuple[dict[str, Trajectory], dict[str, str]]:

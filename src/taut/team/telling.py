@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -10,6 +11,7 @@ from taut.errors import one_line
 from taut.graph import beta_index
 from taut.team.conflicts import Conflict
 from taut.team.ground import Ground
+from taut.team.methods import Progress
 from taut.team.stages import (
     BridgeStage,
     FirstPathStage,
@@ -69,6 +71,20 @@ def _story(stage: Stage) -> list[str]:
             return _tell_full_graph(stage)
         case SequenceStage():
             return _tell_sequence(stage)
+
+
+def so_far(progress: Progress) -> str:
+    """Return how far planning has come, in a few words."""
+    doing = {"passes": "round", "search": "node", "repair": "repair", "proof": "node"}[progress.doing]
+    words = [f"{doing} {progress.done}"]
+    if progress.failed:
+        words.append(f"{progress.failed} robots failed")
+    if progress.cost < math.inf:
+        words.append(f"cost {progress.cost:.2f} s")
+    if 0 < progress.bound < math.inf:
+        above = f" ({100 * (progress.cost / progress.bound - 1):.2f} % above)" if progress.cost < math.inf else ""
+        words.append(f"bound {progress.bound:.2f} s{above}")
+    return ", ".join(words)
 
 
 def stage_data(stage: Stage) -> dict[str, object]:
