@@ -20,7 +20,7 @@ SUITES = {
     "paths": paths.TITLES,
     "central": central.TITLES,
     "graphs": graphs.TITLES,
-    "teams": team.TITLES,
+    "plans": team.TITLES,
 }
 """The suites and the titles of their sections, in the order of the page."""
 

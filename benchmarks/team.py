@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
-from unittest import mock
 
 from measure import Report, Table, in_words, picture, repeated
 from taut.errors import TautError
@@ -19,13 +16,12 @@ from taut.formats.files import scene_names
 from taut.generate import random_scene
 from taut.motion import Plan
 from taut.scene import Scene
-from taut.team import planning
+from taut.team import Result, plan
 
-PHASES = {"World": "world", "plan_rounds": "planning", "certify": "certificate"}
-"""Steps of `taut.plan`, named as in its module, and the column in which each is counted."""
+PHASES = ("roadmaps", "planning", "certificate")
 
 TITLES = ("Plans of teams",)
-COLOURS = {"world": "#56b4e9", "planning": "#e69f00", "certificate": "#009e73"}
+COLOURS = {"roadmaps": "#56b4e9", "planning": "#e69f00", "certificate": "#009e73"}
 """Okabe and Ito's, safe for the colour-blind."""
 
 
@@ -85,7 +81,7 @@ def cases(quick: bool) -> tuple[Case, ...]:
 
 def measured(quick: bool) -> tuple[Outcome, ...]:
     """Plan every case, warm; several times where that is quick."""
-    planning.plan(load_scene("thesis-2"))
+    plan(load_scene("thesis-2"))
     return tuple(_outcome(case) for case in cases(quick))
 
 
@@ -94,11 +90,11 @@ def table(outcomes: tuple[Outcome, ...]) -> Table:
     same = all(run.plan.trajectories == o.runs[0].plan.trajectories for o in outcomes for run in o.runs)
     return Table(
         TITLES[0],
-        ("scene", "robots", "obstacles", *PHASES.values(), "together", "target", "rounds", "above bound", "certified"),
+        ("scene", "robots", "obstacles", *PHASES, "together", "target", "rounds", "above bound", "certified"),
         tuple(_row(outcome) for outcome in outcomes),
         "`taut.plan` from a Scene in memory to the certified plan; warm, medians of up to 5 runs.",
         (
-            "world: free spaces, roadmaps, shortest routes. planning: all rounds, with the tangents round other "
+            "roadmaps: free spaces, roadmaps, shortest routes. planning: all rounds, with the tangents round other "
             "robots' starts and goals. together: also checks of the scene and the reasons for detours.",
             "random 100, 300 is `taut random --robots 100 --obstacles 300 --seed 1`; random 1000, 400 is `taut random "
             "--robots 1000 --obstacles 400 --size 200 --seed 1`.",
@@ -106,7 +102,7 @@ def table(outcomes: tuple[Outcome, ...]) -> Table:
             "no plan can beat.",
             f"Repeated runs gave {'the same plan, bit for bit' if same else 'DIFFERENT plans: a defect'}.",
         ),
-        f"![Where planning spends its time](figures/{picture('teams')})",
+        f"![Where planning spends its time](figures/{picture('plans')})",
     )
 
 
@@ -137,39 +133,17 @@ def draw(path: Path, outcomes: tuple[Outcome, ...]) -> None:
 def _outcome(case: Case) -> Outcome:
     scene = case.make()
     try:
-        runs = repeated(lambda: planning.plan(scene), _run, most=5, budget=8.0)
+        runs = repeated(lambda: plan(scene), _run, most=5, budget=8.0)
     except TautError as error:
         return Outcome(case, scene, (), str(error))
     return Outcome(case, scene, tuple(runs))
 
 
-def _run(work: Callable[[], Any]) -> Run:
-    phases = dict.fromkeys(PHASES.values(), 0.0)
-    with _clocks(phases):
-        began = time.perf_counter()
-        result = work()
-        total = time.perf_counter() - began
-    return Run(result.plan, result.certificate.ok, total, phases)
-
-
-@contextmanager
-def _clocks(seconds: dict[str, float]) -> Iterator[None]:
-    """While open, add to ``seconds`` what each phase of `taut.plan` takes."""
-    with ExitStack() as stack:
-        for name, phase in PHASES.items():
-            stack.enter_context(mock.patch.object(planning, name, _clocked(getattr(planning, name), phase, seconds)))
-        yield
-
-
-def _clocked(step: Callable[..., Any], phase: str, seconds: dict[str, float]) -> Callable[..., Any]:
-    def run(*args: Any, **options: Any) -> Any:
-        began = time.perf_counter()
-        try:
-            return step(*args, **options)
-        finally:
-            seconds[phase] += time.perf_counter() - began
-
-    return run
+def _run(work: Callable[[], Result]) -> Run:
+    began = time.perf_counter()
+    result = work()
+    total = time.perf_counter() - began
+    return Run(result.plan, result.certificate.ok, total, {name: result.phases[name] for name in PHASES})
 
 
 def _row(outcome: Outcome) -> tuple[str, ...]:
@@ -181,7 +155,7 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
     plan = outcome.runs[0].plan
     return (
         *head,
-        *(in_words(outcome.phase(name)) for name in PHASES.values()),
+        *(in_words(outcome.phase(name)) for name in PHASES),
         in_words(outcome.total),
         target,
         str(plan.planner["rounds"]),
