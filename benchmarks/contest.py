@@ -43,7 +43,7 @@ class Outcome:
     seconds, cost : at the end, certificate included.
     bound, model : what no plan of that model can beat.
     memory : most bytes that the process has held by then.
-    distance : least distance between centres beyond what is needed, metres (negative: nearer, by rounding only).
+    distance : least room between two robots beyond the gap, metres (negative: by rounding only).
     reason : why there is no plan.
     """
 
@@ -89,7 +89,6 @@ def _outcome(
         return Outcome(*head, False, False, False, *first, seconds, nothing, nothing, "", peak(), nothing, why)
     seconds = time.perf_counter() - began
     plan, proof = result.plan, result.certificate
-    needed = 2 * max(robot.radius for robot in scene.robots) + scene.gap
     bound = plan.lower_bound or {}
     return Outcome(
         *head,
@@ -104,7 +103,7 @@ def _outcome(
         float(str(bound.get("value", nothing))),
         str(bound.get("model", "")),
         peak(),
-        nothing if proof.min_separation is None else proof.min_separation - needed,
+        nothing if proof.min_separation is None else proof.min_separation - scene.gap,
     )
 
 

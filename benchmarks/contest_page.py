@@ -143,8 +143,8 @@ def _large_table(rows: Sequence[Outcome]) -> Table:
         return (
             f"{row.family} {row.number}",
             str(row.robots),
-            in_words(row.roadmap_seconds),
-            in_words(row.first_seconds),
+            _seconds(row.roadmap_seconds),
+            _seconds(row.first_seconds),
             in_words(row.seconds),
             _percent([row.first_cost / row.bound - 1]),
             _percent([row.cost / row.bound - 1]),
@@ -182,6 +182,10 @@ def _by_robots(rows: Sequence[Outcome]) -> dict[int, list[Outcome]]:
     for row in rows:
         out[row.robots].append(row)
     return dict(sorted(out.items()))
+
+
+def _seconds(value: float) -> str:
+    return "–" if math.isnan(value) else in_words(value)
 
 
 def _median(values: Iterable[float]) -> str:
@@ -235,14 +239,17 @@ def _draw_grids(path: Path, known: Mapping[str, Sequence[Outcome]], peers: Seque
     names = list(dict.fromkeys(r.planner for r in peers if r.family in families and not r.planner.startswith("CCBS")))
     for ax, family in zip(axes, families, strict=True):
         ours = {(row.robots, row.number): row for row in known[family] if row.solved}
-        for name, colour in zip(names, COLOURS[1:] * 2, strict=False):
+        for k, name in enumerate(names):
+            colour, marker = COLOURS[1:][k % 6], "o" if k < 6 else "s"
             ratios: dict[int, list[float]] = defaultdict(list)
             for r in peers:
                 if r.family == family and r.planner == name and r.solved and (r.robots, r.number) in ours:
                     ratios[r.robots].append(r.cost / ours[r.robots, r.number].cost)
             sizes = sorted(ratios)
             if sizes:
-                ax.plot(sizes, [statistics.fmean(ratios[n]) for n in sizes], "o-", color=colour, ms=4, label=name)
+                ax.plot(
+                    sizes, [statistics.fmean(ratios[n]) for n in sizes], f"{marker}-", color=colour, ms=4, label=name
+                )
         ax.axhline(1.0, color=COLOURS[0], lw=2, label="taut")
         ax.set(title=family, xlabel="robots")
     axes[0].set_ylabel("mean cost over ours, same instances")

@@ -51,7 +51,7 @@ def certified(
 )
 def test_ready_scenes_are_planned_at_a_proven_optimum(name: str, robots: int) -> None:
     scene = first_of(name, robots)
-    plan, bound, proven = certified(scene)
+    plan, bound, proven = certified(scene, nodes=1500)
     assert proven
     assert plan.sum_of_costs == pytest.approx(bound, rel=1e-9)
     speeds = np.array([robot.speed for robot in scene.robots])

@@ -259,8 +259,8 @@ def test_who_is_first_in_order_is_not_held_up() -> None:
     [
         ({"method": "magic"}, "method 'magic' is not one of prioritized"),
         ({"order": "tallest"}, "order 'tallest' is not one of shortest, longest, given"),
-        ({"rounds": 0}, "rounds must be at least 1, got 0"),
-        ({"rounds": -3}, "rounds must be at least 1, got -3"),
+        ({"rounds": 0, "method": "prioritized"}, "rounds must be at least 1, got 0"),
+        ({"rounds": -3}, "rounds must be at least 0, got -3"),
         ({"seconds": 0}, "seconds must be positive, got 0"),
         ({"seconds": -1.0}, "seconds must be positive"),
         ({"seconds": math.nan}, "seconds must be positive"),
@@ -283,7 +283,7 @@ def test_no_robots_are_refused() -> None:
 
 def test_two_that_provably_cannot_pass_are_named_with_the_place_and_its_width() -> None:
     for method in METHODS:
-        with pytest.raises(NoPlanExists, match="R\\d and R\\d cannot pass each other") as caught:
+        with pytest.raises(NoPlanExists, match=r"R\d and R\d cannot pass each other") as caught:
             plan(DEAD_END, method)
         assert set(caught.value.robots) == {"R1", "R2"}
         assert "1.00 m wide, two abreast need 1.45 m" in str(caught.value)

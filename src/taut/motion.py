@@ -109,7 +109,7 @@ class Plan:
     trajectories : one per robot, same order and names as ``scene.robots``.
     planner : how it was made (method, order, seed, rounds, seconds).
     claims : what the certificate has to prove beyond the scene (contact …).
-    lower_bound : {"model": "plane" | "roadmap", "value": seconds} on the sum of costs, if known.
+    lower_bound : {"model": "plane" | "roadmap", "value": seconds} on the sum of costs, or on what "of" names, if known.
     certificate : the proof as plain data, once there is one.
 
     Raises

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from taut.cli.options import AnimateOption, FigureOption, JsonOption, SceneArgument
+from taut.cli.options import AnimateOption, FigureOption, JsonOption, RoadmapName, SceneArgument, roadmap_source
 from taut.cli.output import about, complain, progress, require_writable, say, say_json
 from taut.cli.pictures import require_pictures, write_pictures
 from taut.cli.reports import plan_report, say_plan
@@ -26,6 +26,10 @@ def replan(
         int | None, typer.Option(min=1, max=1_000_000, metavar="N", help="Stop trying after N rounds.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
+    roadmap: Annotated[
+        str | None,
+        typer.Option(metavar="NAME|FILE", help="On what the robots move; that of the older plan if it was no file."),
+    ] = None,
     figure: FigureOption = None,
     animate: AnimateOption = None,
     as_json: JsonOption = False,
@@ -37,13 +41,14 @@ def replan(
     require_writable(output, "a plan", (".json",), never)
     require_pictures(figure, animate, False, never)
 
-    from taut.formats import load_plan, load_scene, save
+    from taut.formats import load_plan, load_roadmap, load_scene, save
     from taut.team import replan as replan_team
 
     older = load_plan(plan)
     world = load_scene(scene)
+    ground = roadmap if roadmap is None or roadmap in list(RoadmapName) else load_roadmap(roadmap_source(roadmap))
     with about(scene), progress(f"planning {len(world.robots)} robots"):
-        result = replan_team(older, world, seed=seed, rounds=rounds, seconds=seconds)
+        result = replan_team(older, world, seed=seed, rounds=rounds, seconds=seconds, roadmap=ground)
     report = plan_report(result.plan, result.certificate)
     report["kept"] = list(result.kept)
     report["changed"] = dict(result.changed)

@@ -137,7 +137,7 @@ def plan_report(
         "makespan": plan.makespan,
         "length": plan.length,
         "lower_bound": None if bound is None else dict(bound),
-        "gap": _excess(plan.sum_of_costs, bound),
+        "gap": _excess(getattr(plan, _bounded(bound)), bound),
         "certificate": certificate.as_dict(),
     }
 
@@ -154,13 +154,15 @@ def say_plan(report: Report, certificate: Certificate) -> None:
     if rows:
         say_table(heads, shown, left=("robot", "waits", "why longer"))
         say()
-    cost = f"{report['sum_of_costs']:.4f} s"
+    costs = {"sum_of_costs": f"{report['sum_of_costs']:.4f} s", "makespan": f"{report['makespan']:.4f} s"}
     bound = report["lower_bound"]
     if bound is not None and report["gap"] is not None:
-        cost += f", at least {bound['value']:.4f} s ({bound['model']} model), gap {100 * report['gap']:.2f} %"
+        proven = ", proven" if report["planner"].get("proven") is True else ""
+        gap = f"gap {100 * report['gap']:.2f} %{proven}"
+        costs[_bounded(bound)] += f", at least {bound['value']:.4f} s ({bound['model']} model), {gap}"
     facts = [
-        ("sum of costs", cost),
-        ("makespan", f"{report['makespan']:.4f} s"),
+        ("sum of costs", costs["sum_of_costs"]),
+        ("makespan", costs["makespan"]),
         ("total length", f"{report['length']:.4f} m"),
         *certificate_facts(certificate),
     ]
@@ -189,6 +191,11 @@ def _robot_row(row: Report) -> list[str]:
         if f"{row['length']:.4f}" != shortest:
             why = f"+{row['length'] - row['shortest']:.4f} m" + (f": {why}" if why else "")
     return [row["name"], f"{row['length']:.4f}", f"{row['arrival']:.4f}", shortest, waits, why]
+
+
+def _bounded(bound: Mapping[str, object] | None) -> str:
+    """The cost that a bound is on."""
+    return "makespan" if bound is not None and bound.get("of") == "makespan" else "sum_of_costs"
 
 
 def _excess(cost: float, bound: Mapping[str, object] | None) -> float | None:

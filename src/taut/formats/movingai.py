@@ -109,8 +109,10 @@ def load_scen(
     """
     file = os.fspath(path)
     lines = [(k, line.split()) for k, line in enumerate(read_text(path, _LIMIT).splitlines(), 1) if line.strip()]
-    if lines[0][1][0] != "version":
-        raise SceneError("does not begin with `version 1`: this is not a MovingAI scenario", file, lines[0][0])
+    if not lines or lines[0][1][0] != "version":
+        raise SceneError(
+            "does not begin with `version 1`: this is not a MovingAI scenario", file, lines[0][0] if lines else 1
+        )
     entries = lines[1:]
     if robots is not None:
         if robots < 0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Hashable, Sequence
@@ -390,11 +391,16 @@ def _read_arrays(path: str | os.PathLike[str]) -> _Found:
         EOFError,
         KeyError,
         MemoryError,
+        OverflowError,
         RuntimeError,
+        tokenize.TokenError,
         zipfile.BadZipFile,
         zlib.error,
     ) as error:
         raise SceneError(f"is not an archive of plain NumPy arrays (.npz): {error}", file) from None
+    odd = [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]
+    if odd:
+        raise SceneError(f"holds {odd[0]}, which is no NumPy array", file)
     positions = arrays.get("vertices", arrays.get("positions"))
     if positions is None or "edges" not in arrays or {"vertices", "positions"} <= arrays.keys():
         raise SceneError("must hold the arrays `vertices` (n, 2) and `edges` (m, 2)", file)

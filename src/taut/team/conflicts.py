@@ -124,8 +124,7 @@ def why_later(conflicts: tuple[Conflict, ...]) -> str:
 
 
 def _hindered(world: World, i: int, trajectory: Trajectory) -> bool:
-    robot, route = world.scene.robots[i], world.routes[i]
-    earliest = robot.start_time + route.length / robot.speed if len(route.points) > 1 else 0.0
+    route, earliest = world.routes[i], float(world.soonest[i])
     return trajectory.arrival - earliest > 1e-9 * max(1.0, earliest) or trajectory.length - route.length > 1e-9 * max(
         1.0, route.length
     )
@@ -162,6 +161,8 @@ def _meetings(world: World, i: int, table: Table) -> dict[int, list[_Meeting]]:
     number[taken] = np.arange(len(taken))
     found: list[tuple[int, _Piece]] = []
     tau = np.hypot(*np.diff(points, axis=0).T) / robot.speed
+    # on lanes with speed limits it is as late as these make it, spread over its way
+    tau *= (world.soonest[i] - robot.start_time) / max(float(tau.sum()), 1e-300) if len(tau) else 1.0
     times = robot.start_time + np.append(0.0, np.cumsum(tau))
     edges = [
         _piece(a, t0, b, t1)

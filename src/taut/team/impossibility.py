@@ -240,12 +240,12 @@ def _narrow_places(space: FreeSpace, room: float) -> Shapes:
 
 def _ground(space: FreeSpace, narrow: Shapes, size: float, most_states: int) -> _Ground | None:
     """Cut a free space so that triangles in narrow places are about ``size`` metres; None if they are too many."""
-    tree = shapely.STRtree(narrow)
-    vertices, triangles, neighbours = _with_more_corners(space, tree, size)
+    vertices, triangles, neighbours = _with_more_corners(space, shapely.STRtree(narrow), size)
     most = len(triangles) + 16 * math.isqrt(most_states)
     while True:
         shapes = shapely.polygons(vertices[triangles])
-        shape, piece = tree.query(shapes, predicate="intersects")
+        # asked by the narrow places, which may have very many corners: the tree prepares whom it is asked by
+        piece, shape = shapely.STRtree(shapes).query(narrow, predicate="intersects")
         touching = np.isin(np.arange(len(triangles)), shape)
         large = touching & (_longest(vertices[triangles]) > size)
         if not large.any():

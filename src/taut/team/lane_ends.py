@@ -49,6 +49,8 @@ def lane_ways(lanes: Lanes, roadmap: LanesRoadmap, robots: Sequence[Robot]) -> l
         A start or goal sees nothing of the lanes, or they do not lead from one to the other.
     """
     places = np.array([p for robot in robots for p in (robot.start, robot.goal)], dtype=np.float64).reshape(-1, 2)
+    if len(roadmap.positions) == 0:
+        raise NoPath(robots[0].name, "the roadmap has no vertices, so no lane leads anywhere")
     ends, vertices = _ends(lanes, roadmap, places)
     moving = np.array([robot.start != robot.goal for robot in robots], dtype=np.bool_)
     alone = np.diff(ends.first) == 0

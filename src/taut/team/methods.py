@@ -19,6 +19,7 @@ from taut.motion import Plan, Trajectory
 from taut.scene import Scene
 from taut.team.explaining import no_order, no_plan, refuse_impossible
 from taut.team.mrppa import mrppa_stages
+from taut.team.optimal import OptimalPlan
 from taut.team.optimal_roadmap import optimal_round
 from taut.team.prioritized import MOST_ROUNDS, Round, plan_rounds
 from taut.team.repair import Objective, repaired
@@ -160,8 +161,9 @@ def _enrich(world: World, plan: Round) -> None:
 def _optimal(world: World, asked: Asked) -> Found:
     try:
         known: Found | None = _passed(world, asked, None)
-    except NoPlanFound:
-        known = None
+        failed = None
+    except NoPlanFound as error:
+        known, failed = None, error
     best = math.inf if known is None else known.history[0][1]
 
     def tell(done: int, bound: float, cost: float) -> None:
@@ -175,10 +177,17 @@ def _optimal(world: World, asked: Asked) -> Found:
         plan = _in_order_of_delay(world, motions)
         return Found(plan, record, (*history, (time.monotonic(), proof.cost)), proof.lower_bound)
     if known is None:
-        raise NoPlanFound(
-            f"no plan found in {proof.expanded} nodes; any on this roadmap costs at least {proof.lower_bound:.4f} s"
-        )
+        assert failed is not None
+        raise _without_plan(failed, proof)
     return Found(_in_order_of_delay(world, _all(known.plan)), record, history, proof.lower_bound)
+
+
+def _without_plan(failed: NoPlanFound, proof: OptimalPlan) -> NoPlanFound:
+    """Return what is known when neither passes nor the proof found a plan."""
+    what = f"no plan found in {proof.expanded} nodes; any on this roadmap costs at least {proof.lower_bound:.4f} s"
+    if proof.proven:
+        what = f"there is no plan on this roadmap, as {proof.expanded} nodes prove; another roadmap may have one"
+    return NoPlanFound(what, failed.robots, failed.time, failed.place, failed.diagnosis)
 
 
 METHODS: Mapping[str, Callable[[World, Asked], Found]] = MappingProxyType(

@@ -38,10 +38,13 @@ def optimal_round(
     Raises
     ------
     SceneError
-        The scene asks for a headway.
+        The scene asks for a headway, or its numbers are too far apart for a proof within its tolerance.
     """
-    problem = problem_of(world)
-    found = optimal_plan(problem, objective, within, seconds, nodes, at_most, progress)
+    try:
+        problem = problem_of(world)
+        found = optimal_plan(problem, objective, within, seconds, nodes, at_most, progress)
+    except ValueError as error:
+        raise SceneError(f"no optimal plan can be sought: {error}; choose another method") from None
     if found.motions is None:
         return None, found
     pairs = zip(world.scene.robots, found.motions, strict=True)

@@ -106,13 +106,11 @@ def plan(
     began = time.monotonic()
     chosen = method or ("prioritized" if rounds is None and seconds is None else "repair")
     _check(chosen, order, objective, within, split, roadmap)
-    if rounds == 0 and chosen != "repair":
-        raise SceneError(f"rounds must be at least 1 for {chosen}, got 0")
     asked = Asked(
         order,
         seed,
         rounds,
-        deadline(began, seed, rounds, seconds),
+        deadline(began, seed, rounds, seconds, least=0 if chosen == "repair" else 1),
         objective,
         within,
         _weight(chosen, weight),
@@ -153,16 +151,16 @@ def plan(
     )
 
 
-def deadline(began: float, seed: int, rounds: int | None, seconds: float | None) -> float:
-    """Until when by the monotonic clock planning may go on.
+def deadline(began: float, seed: int, rounds: int | None, seconds: float | None, least: int = 1) -> float:
+    """Until when by the monotonic clock planning may go on; ``least`` rounds make sense.
 
     Raises
     ------
     SceneError
         Rounds, seconds or seed make no sense.
     """
-    if rounds is not None and (isinstance(rounds, bool) or not isinstance(rounds, int) or rounds < 0):
-        raise SceneError(f"rounds must be at least 0, got {rounds}")
+    if rounds is not None and (isinstance(rounds, bool) or not isinstance(rounds, int) or rounds < least):
+        raise SceneError(f"rounds must be at least {least}, got {rounds}")
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise SceneError(f"seed must be at least 0, got {seed}")
     if seconds is not None and not seconds > 0:
@@ -214,6 +212,8 @@ def _check(
         raise SceneError('the method "mrppa" works on the visibility graph; leave roadmap out')
     if objective != "sum_of_costs" and method not in ("repair", "optimal"):
         raise SceneError(f'the objective {objective!r} belongs to the methods "repair" and "optimal"')
+    if method == "search" and order != "shortest":
+        raise SceneError('the method "search" finds an order itself; leave order out')
     if not 1.0 <= within < math.inf:
         raise SceneError(f"within must be a factor of at least 1, got {within}")
     if within != 1.0 and method != "optimal":

@@ -121,9 +121,10 @@ def rounds(
             order = tuple(int(i) for i in rng.permutation(order))
         tried.add((order, hold))
         done = _Pass(bench, list(order), hold, WITHOUT_END if well_formed else _EXPANSIONS, {})
-        if not _pass(world, done, math.inf if number == 0 else until, kept):
+        limit = math.inf if number == 0 else until
+        if not _pass(world, done, limit, kept):
             return
-        _mend(done, rng, until)
+        _mend(done, rng, limit)
         result = _round(world, done, kept)
         yield result
         failed = [f.robot for f in result.failures]

@@ -93,13 +93,12 @@ def searched(
     desk = _Desk(world)
     root = desk.root()
     best, made = root, 1
+    if not root.meetings:
+        return _solved(root, made)
     for attempt in counted():
         stack, patience = [root], math.ceil(_PATIENCE * len(world.scene.robots) * 1.5**attempt) + 64
         while stack and patience > 0:
             node = stack.pop()
-            if not node.meetings:
-                motions = tuple(node.motions[i] for i in range(len(world.scene.robots)))
-                return Searched(motions, tuple(_ranked(node.above, node.motions)), made, ())
             if made >= nodes or time.monotonic() > until:
                 return Searched(None, (), made, _told(best))
             children = []
@@ -108,6 +107,8 @@ def searched(
                 made, patience = made + 1, patience - 1
                 if child is None:
                     continue
+                if not child.meetings:
+                    return _solved(child, made)
                 children.append(child)
                 if len(child.meetings) < len(best.meetings):
                     best = child
@@ -120,6 +121,11 @@ def searched(
         if not stack:
             break
     return Searched(None, (), made, _told(best))
+
+
+def _solved(node: _Node, made: int) -> Searched:
+    order = _ranked(node.above, node.motions)
+    return Searched(tuple(node.motions[i] for i in sorted(node.motions)), tuple(order), made, ())
 
 
 def _told(node: _Node) -> tuple[Meeting, ...]:
