@@ -120,6 +120,10 @@ def _anywhere_table(family: str, rows: Sequence[Outcome], peers: Sequence[Record
             )
         lines.append(tuple(cells))
     model = next((row.model for row in rows if row.model), "roadmap")
+    norms = (
+        "Their speed limit is per axis, so up to √2 times ours (Euclidean) on a diagonal; their bounds confine centres: "
+        "our workspace is wider by a radius; moving discs are left out, which makes simple2d easier for us."
+    )
     return Table(
         family,
         ("robots", "solved", "first plan", "its cost", "seconds", "cost", "above bound", *names),
@@ -131,6 +135,7 @@ def _anywhere_table(family: str, rows: Sequence[Outcome], peers: Sequence[Record
         (
             "first plan: median seconds until the first plan, once roadmaps are there; cost: mean sum of costs after "
             f"all seconds; above bound: mean, no plan of the model {model} costs less than the bound.",
+            *([norms] if family in STGCS else []),
             *_faults(rows),
         ),
         "![Costs beside the peers'](figures/performance-teams-grids.png)" if family == GRIDS[0] else "",
