@@ -121,8 +121,8 @@ def _anywhere_table(family: str, rows: Sequence[Outcome], peers: Sequence[Record
         lines.append(tuple(cells))
     model = next((row.model for row in rows if row.model), "roadmap")
     norms = (
-        "Their speed limit is per axis, so up to √2 times ours (Euclidean) on a diagonal; their bounds confine centres: "
-        "our workspace is wider by a radius; moving discs are left out, which makes simple2d easier for us."
+        "Their speed limit is per axis, up to √2 times ours (Euclidean) on a diagonal; their bounds confine centres, "
+        "so our workspace is a radius wider; moving discs are left out, which makes simple2d easier for us."
     )
     return Table(
         family,
