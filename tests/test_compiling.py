@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 from collections.abc import Callable
@@ -38,6 +39,22 @@ def test_a_kernel_compiles_wherever_its_result_can_be_kept(
     assert compiling.kernel(double)(21) == 42
     assert tried == caches
     assert bool(config.CACHE_DIR) == (refusals > 0)
+
+
+def test_what_another_version_has_kept_is_not_even_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It may name types that are gone; reading it would fail."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compiling, "_STAMP", "one version")
+    assert compiling.kernel(double)(3) == 6
+    (index,) = tmp_path.glob("**/*.nbi")
+    with index.open("rb") as file:
+        version = pickle.load(file)
+        read = file.tell()
+    kept = index.read_bytes()
+    index.write_bytes(kept[:read] + b"cno_such_module\nType\n.")
+    monkeypatch.setattr(compiling, "_STAMP", "another version")
+    assert compiling.kernel(double)(4) == 8
+    assert "one version" in version
 
 
 def test_an_edit_in_the_file_of_a_called_kernel_is_noticed(tmp_path: Path) -> None:

@@ -35,8 +35,9 @@ def kernel(function: Function) -> Function:
         except RuntimeError:
             compiled = njit(**options)(function)
     index: Any = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
-    if hasattr(index, "_source_stamp"):
-        index._source_stamp = (index._source_stamp, _STAMP)
+    if hasattr(index, "_version"):
+        # what was kept by another version is not even read, so it may name types that are gone
+        index._version = (index._version, _STAMP)
     return compiled
 
 

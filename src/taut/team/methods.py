@@ -15,6 +15,7 @@ import numpy as np
 
 from taut.errors import NoPlanFound
 from taut.graph import Weight
+from taut.interrupts import held_back
 from taut.motion import Plan, Trajectory
 from taut.scene import Scene
 from taut.team.explaining import no_order, no_plan, refuse_impossible
@@ -133,14 +134,15 @@ def _repair(world: World, asked: Asked) -> Found:
     _, bound = world.bound(asked.objective)
     rounds = _REPAIRS if asked.rounds is None and math.isinf(asked.until) else asked.rounds
     plan, done = first.plan, 0
-    for stage in counted():
-        few = _BETWEEN << stage if rounds is None else min(_BETWEEN << stage, rounds - done)
-        better = repaired(world, plan, (asked.seed, stage), few, asked.until, asked.objective, partial(tell, done))
-        done += better.rounds
-        plan = _in_order_of_delay(world, better.trajectories)
-        if better.rounds < few or done == rounds or better.interrupted:
-            break
-        _enrich(world, plan)
+    with held_back() as interrupted:  # there is a plan now: it must not be lost
+        for stage in counted():
+            few = _BETWEEN << stage if rounds is None else min(_BETWEEN << stage, rounds - done)
+            better = repaired(world, plan, (asked.seed, stage), few, asked.until, asked.objective, partial(tell, done))
+            done += better.rounds
+            plan = _in_order_of_delay(world, better.trajectories)
+            if better.rounds < few or done == rounds or better.interrupted or interrupted():
+                break
+            _enrich(world, plan)
     return Found(plan, {"passes": first.record["rounds"], "rounds": done}, tuple(history))
 
 
@@ -170,7 +172,12 @@ def _optimal(world: World, asked: Asked) -> Found:
         asked.tell(Progress("proof", done, 0, min(cost, best), bound))
 
     seconds = None if math.isinf(asked.until) else max(asked.until - time.monotonic(), 0.0)
-    motions, proof = optimal_round(world, asked.objective, asked.within, seconds, asked.rounds, best, tell)
+    try:
+        motions, proof = optimal_round(world, asked.objective, asked.within, seconds, asked.rounds, best, tell)
+    except KeyboardInterrupt:  # before the search knew anything
+        if known is None:
+            raise
+        motions, proof = None, OptimalPlan(None, math.inf, 0.0, 0, False)
     record = {"rounds": proof.expanded, "within": asked.within, "proven": proof.proven}
     history = () if known is None else known.history
     if motions is not None:
