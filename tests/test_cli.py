@@ -686,3 +686,44 @@ def test_planning_loads_no_pictures() -> None:
         "print(json.dumps('matplotlib' in sys.modules))"
     )
     assert in_a_new_process(code) is False
+
+
+def test_costs_stand_beside_the_bound_on_the_same_objective(taut: Taut) -> None:
+    run = taut("plan", "crossing-30", "--rounds", "2", "--objective", "makespan")
+    lines = [line for line in run.out.splitlines() if "at least" in line]
+    assert len(lines) == 1
+    assert lines[0].startswith("makespan ")
+    report = taut("plan", "crossing-30", "--rounds", "2", "--objective", "makespan", "--json").json
+    assert report["lower_bound"]["of"] == "makespan"
+    assert report["gap"] == pytest.approx(report["makespan"] / report["lower_bound"]["value"] - 1)
+
+
+def test_a_proven_optimum_is_called_proven(taut: Taut) -> None:
+    assert "gap 0.00 %, proven" in taut("plan", "thesis-2", "--method", "optimal").out
+
+
+def test_a_plan_made_on_lanes_is_made_again_on_the_file_given(taut: Taut, tmp_path: Path) -> None:
+    lanes = {"vertices": [[1, 5], [1, 8], [9, 8], [9, 5]], "edges": [[0, 1], [1, 2], [2, 3]]}
+    (tmp_path / "lanes.json").write_text(json.dumps(lanes))
+    (tmp_path / "one.yaml").write_text(
+        HALL.replace("  - {name: R2, start: [9, 8], goal: [1, 8], radius: 0.3, speed: 5}\n", "")
+    )
+    assert taut("plan", "one.yaml", "--roadmap", "lanes.json", "-o", "a.json").code == 0
+    assert refused(taut("replan", "a.json", "one.yaml"), "lanes.json", "roadmap")
+    again = taut("replan", "a.json", "one.yaml", "--roadmap", "lanes.json")
+    assert again.code == 0
+    assert "1 of 1 robots keep their motions" in again.out
+
+
+def test_why_nothing_can_be_planned_stands_below_the_error(taut: Taut, tmp_path: Path) -> None:
+    (tmp_path / "c.yaml").write_text(
+        "taut: 1\nbounds: [0, 0, 10, 1]\nrobots:\n"
+        "  - {name: A, start: [1, 0.5], goal: [9, 0.5], radius: 0.4}\n"
+        "  - {name: B, start: [9, 0.5], goal: [1, 0.5], radius: 0.4}\n"
+    )
+    run = taut("plan", "c.yaml")
+    assert run.code == 1
+    first, *more = run.err.splitlines()
+    assert "No plan exists: " in first
+    assert more
+    assert all(line.startswith("  ") for line in more)

@@ -565,6 +565,43 @@ def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypa
         load_roadmap(tmp_path / "x.npz")
 
 
+def header(text: str) -> bytes:
+    """An archive in which the header of the array `vertices` is this."""
+    array = text.encode().ljust(117) + b"\n"
+    raw = io.BytesIO()
+    with zipfile.ZipFile(raw, "w") as out:
+        out.writestr("vertices.npy", b"\x93NUMPY\x01\x00" + len(array).to_bytes(2, "little") + array)
+    return raw.getvalue()
+
+
+@pytest.mark.parametrize("text", ["((((((", "{'descr': '<f8', 'fortran_order': False, 'shape': (" + "9" * 40 + ", 2)}"])
+def test_archives_with_damaged_headers_are_refused(tmp_path: Path, text: str) -> None:
+    refused(tmp_path / "x.npz", header(text), "is not an archive of plain NumPy arrays")
+
+
+def test_archives_that_hold_other_files_are_refused(tmp_path: Path) -> None:
+    raw = io.BytesIO()
+    with zipfile.ZipFile(raw, "w") as out:
+        out.writestr("vertices", b"abc")
+        out.writestr("edges", b"abc")
+    refused(tmp_path / "x.npz", raw.getvalue(), "holds vertices, which is no NumPy array")
+
+
+def test_a_roadmap_without_vertices_leads_nowhere() -> None:
+    with pytest.raises(NoPath, match="R1: the roadmap has no vertices"):
+        plan(Scene((0, 0, 9, 9), robots=[Robot("R1", (1, 1), (8, 8))]), roadmap=Lanes.from_edges([], []))
+
+
+def test_speed_limits_are_no_reason_to_be_called_late() -> None:
+    """R1 would meet R2 at top speed, but not at the limit of its lane."""
+    places = [(0, 0), (4, 0), (8, 0), (4, -4), (4, 4)]
+    lanes = Lanes.from_edges(places, [(0, 1), (1, 2), (3, 1), (1, 4)], limits=[0.25, np.inf, np.inf, np.inf])
+    team = [Robot("R2", (4, -4), (4, 4), 0.3), Robot("R1", (0, 0), (8, 0), 0.3)]
+    found = plan(Scene((-2, -6, 10, 6), robots=team, gap=0.1), roadmap=lanes)
+    assert found.plan.sum_of_costs == pytest.approx(28.0)
+    assert found.detours == ("", "")
+
+
 def refused(path: Path, raw: bytes, message: str) -> None:
     path.write_bytes(raw)
     with pytest.raises(SceneError, match=message) as caught:

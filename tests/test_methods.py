@@ -181,3 +181,43 @@ def test_all_methods_plan_on_lanes_and_keep_to_them() -> None:
         # round the ring: 12, 12 and 12 metres
         assert bound_of(found.plan) == pytest.approx(36.0)
         assert np.isclose(found.plan.length, 36.0)
+
+
+def test_ctrl_c_before_a_proof_has_begun_keeps_the_plan_that_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("taut.team.methods.optimal_round", interrupted)
+    found = plan(load_scene("crossing-30"), "optimal")
+    assert found.certificate.ok
+    assert found.plan.planner["proven"] is False
+    with pytest.raises(KeyboardInterrupt):  # there is none to keep
+        plan(Scene((0, 0, 10, 1.195), robots=FACING, gap=0.0), "optimal")
+
+
+def test_ctrl_c_between_two_stages_of_repair_keeps_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    def grown(world: object, done: object) -> None:
+        _thread.interrupt_main()
+
+    monkeypatch.setattr("taut.team.methods._enrich", grown)
+    found = plan(random_scene(60, 4, 1, size=17), rounds=1000)
+    assert found.certificate.ok
+    assert int(str(found.plan.planner["rounds"])) < 1000
+
+
+def test_where_numbers_are_too_far_apart_for_a_proof_it_says_so() -> None:
+    scene = load_scene("thesis-2")
+    late = replace(scene, robots=tuple(replace(robot, start_time=1e5) for robot in scene.robots))
+    with pytest.raises(SceneError, match=r"no optimal plan can be sought: .*; choose another method"):
+        plan(late, "optimal")
+
+
+FACING = (Robot("A", (1, 0.5), (9, 0.5), 0.3), Robot("B", (9, 0.5), (1, 0.5), 0.3))
+
+
+def test_what_is_known_without_a_plan_is_told() -> None:
+    with pytest.raises(NoPlanFound, match="any on this roadmap costs at least") as caught:
+        plan(Scene((0, 0, 10, 1.195), robots=FACING), "optimal", rounds=50)
+    assert caught.value.diagnosis
+    with pytest.raises(SceneError, match="leave order out"):
+        plan(load_scene("thesis-2"), "search", order="longest")

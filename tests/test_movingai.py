@@ -149,3 +149,9 @@ def test_more_robots_than_there_are_is_told(folder: Path) -> None:
         load_scen(path, scene, robots=-1)
     with pytest.raises(SceneError, match="does not exist"):
         load_map(folder / "none.map")
+
+
+def test_a_scenario_of_nothing_but_line_ends_is_refused(folder: Path) -> None:
+    scene = load_map(written(folder, HEAD + "....\n....\n....\n"))
+    with pytest.raises(SceneError, match="does not begin with `version 1`"):
+        load_scen(written(folder, "\u2028", "odd.scen"), scene)

@@ -105,3 +105,17 @@ def test_meeting_times_see_what_dense_sampling_sees() -> None:
             apart = np.hypot(*(places[i] - places[j]).T).min()
             assert apart < scene.separation(scene.robots[i], scene.robots[j]) + 2 * late / 20_000
     assert met > 3
+
+
+def test_an_order_is_returned_as_soon_as_it_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also when the tree is to be begun anew just then."""
+    scenes = [random_scene(12, 2, seed, size=9) for seed in range(6)]
+    for scene in scenes:
+        found = searched(World(scene))
+        assert found.trajectories is not None
+        with monkeypatch.context() as patched:
+            # as many nodes as the first tree needs: patience ends on the node that solves it
+            patched.setattr("taut.team.search._PATIENCE", (found.nodes - 1 - 64) / 12)
+            again = searched(World(scene))
+        assert again.trajectories is not None
+        assert again.nodes == found.nodes
