@@ -68,7 +68,7 @@ def _replanned(team: Team, table: Table, desk: Desk, lane: Lane, count: int, aim
         since = team.motion[i, 1]
         # a little more, so that rounding does not refuse what is as good
         limit = latest if aim == MAKESPAN else since + (old - spent - rest) * (1.0 + 1e-12)
-        stamps = soonest_arrival(team, i, table, desk, limit, _MOST_EXPANSIONS, EXACT)
+        stamps = soonest_arrival(team, i, table, None, desk, limit, _MOST_EXPANSIONS, EXACT)
         if stamps <= 0:
             break
         costs[k] = max(0.0, desk.stamps[stamps - 1, 0] - since)

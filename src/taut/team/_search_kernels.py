@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from taut.heap import drop_first, push
 from taut.team._conflict_kernels import Floats, Ints
+from taut.team._contact_kernels import Partners, in_contact, lonely_times, next_chance
 from taut.team._lean import lean_kernel
-from taut.team._table_kernels import Table, first_departure, forbidden_times, last_departure
+from taut.team._table_kernels import Table, first_departure, forbidden_times, last_departure, merge
 from taut.team._team_kernels import Team, edges_out
 
 # Among equal keys the queue prefers states, the latest first, then edges, the latest first: straight to the goal where
@@ -16,6 +17,7 @@ from taut.team._team_kernels import Team, edges_out
 _WAYS = 1 << 40
 EXACT = 1.0 + 2.0**-30
 TOO_LONG, TOO_SMALL = -1, -2
+_FEW = 256  # most departures along one edge that are looked at for contact; each rules out all before it
 
 
 class Desk(NamedTuple):
@@ -89,8 +91,19 @@ def clear_away(team: Team, i: int, desk: Desk) -> None:
 
 
 @lean_kernel
-def soonest_arrival(team: Team, i: int, table: Table, desk: Desk, limit: float, most: int, eager: float) -> int:
+def soonest_arrival(
+    team: Team,
+    i: int,
+    table: Table,
+    partners: Partners | None,
+    desk: Desk,
+    limit: float,
+    most: int,
+    eager: float,
+) -> int:
     """Find the motion of robot i that arrives first among the reservations, and no later than ``limit``.
+
+    With ``partners`` it is in contact with enough of them at every instant.
 
     A* over (vertex, safe interval), moving at top speed or resting at vertices. Source: Phillips and Likhachev, SIPP:
     safe interval path planning for dynamic environments, ICRA 2011; here in continuous time with closed-form
@@ -104,13 +117,13 @@ def soonest_arrival(team: Team, i: int, table: Table, desk: Desk, limit: float, 
     xy = desk.xy[team.place[team.shared[i]] :]
     start, goal = team.ends[i, 0], team.ends[i, 1]
     x, y = xy[start, 0], xy[start, 1]
-    if x == xy[goal, 0] and y == xy[goal, 1] and _alone(team, i, x, y, table, desk):
+    if x == xy[goal, 0] and y == xy[goal, 1] and _alone(team, i, x, y, table, partners, desk):
         desk.stamps[0, 0], desk.stamps[0, 1], desk.stamps[0, 2] = 0.0, x, y
         count = 1
     else:
-        count = _search(team, i, xy, table, desk, limit, most, eager)
+        count = _search(team, i, xy, table, partners, desk, limit, most, eager)
         if count > 0:
-            count = _traced(team, i, xy, table, desk, count - 1)
+            count = _traced(team, i, xy, table, partners, desk, count - 1)
         if count > 0:
             count = stamped(desk.at, count, team.motion[i, 0], team.motion[i, 2], desk.stamps)
     clear_away(team, i, desk)
@@ -118,18 +131,29 @@ def soonest_arrival(team: Team, i: int, table: Table, desk: Desk, limit: float, 
 
 
 @lean_kernel
-def _alone(team: Team, i: int, x: float, y: float, table: Table, desk: Desk) -> bool:
+def _alone(team: Team, i: int, x: float, y: float, table: Table, partners: Partners | None, desk: Desk) -> bool:
     """Whether robot i may stay at its start for ever, or need not."""
     count = forbidden_times(
         table, x, y, i, team.body[i, 0], team.body[i, 1], 0.0, inf, desk.lo, desk.hi, desk.stamp, desk.counts[0]
     )
     desk.counts[0] += 1
+    if partners is not None and count == 0:
+        count = lonely_times(partners, x, y, 0.0, inf, desk.lo, desk.hi, 0)
     return count == 0 or team.rules[i, 0] == 0
 
 
 @lean_kernel
 def _open(
-    v: int, xy: Floats, table: Table, who: int, apart: float, headway: float, begin: float, end: float, desk: Desk
+    v: int,
+    xy: Floats,
+    table: Table,
+    partners: Partners | None,
+    who: int,
+    apart: float,
+    headway: float,
+    begin: float,
+    end: float,
+    desk: Desk,
 ) -> bool:
     """Make the states of a vertex, one for each safe interval between two times; False if there is no room for them."""
     lo, hi = desk.lo, desk.hi
@@ -137,6 +161,10 @@ def _open(
         table, xy[v, 0], xy[v, 1], who, apart, headway, begin, end, lo, hi, desk.stamp, desk.counts[0]
     )
     desk.counts[0] += 1
+    if partners is not None and count >= 0:
+        count = lonely_times(partners, xy[v, 0], xy[v, 1], begin, end, lo, hi, count)
+        if count > 0:
+            count = merge(lo, hi, count)
     states = desk.counts[1]
     if count < 0 or states + count + 1 > desk.times.shape[0]:
         return False
@@ -162,7 +190,17 @@ def _open(
 
 
 @lean_kernel
-def _search(team: Team, i: int, xy: Floats, table: Table, desk: Desk, limit: float, most: int, eager: float) -> int:
+def _search(
+    team: Team,
+    i: int,
+    xy: Floats,
+    table: Table,
+    partners: Partners | None,
+    desk: Desk,
+    limit: float,
+    most: int,
+    eager: float,
+) -> int:
     """Find the state in which robot i reaches its goal; 1 more than its number, else as in `soonest_arrival`."""
     start, goal = team.ends[i, 0], team.ends[i, 1]
     apart, headway = team.body[i, 0], team.body[i, 1]
@@ -176,12 +214,12 @@ def _search(team: Team, i: int, xy: Floats, table: Table, desk: Desk, limit: flo
     room = min(keys.shape[0], way_time.shape[0]) - 1
 
     stuck[0], stuck[1], stuck[2], stuck[3] = sx, sy, since, inf
-    if not _open(goal, xy, table, i, apart, headway, 0.0 if start == goal else since, inf, desk):
+    if not _open(goal, xy, table, partners, i, apart, headway, 0.0 if start == goal else since, inf, desk):
         return TOO_SMALL
     last = counts[1] - 1
     if stays == 1 and not (times[last, 1] == inf and times[last, 0] <= limit):
         return 0
-    if start != goal and not _open(start, xy, table, i, apart, headway, 0.0, limit, desk):
+    if start != goal and not _open(start, xy, table, partners, i, apart, headway, 0.0, limit, desk):
         return TOO_SMALL
     size = 0
     for s in range(first[start], first[start] + many[start]):
@@ -209,7 +247,7 @@ def _search(team: Team, i: int, xy: Floats, table: Table, desk: Desk, limit: flo
             if s < 0:
                 # whoever comes later comes no sooner, and nobody stays longer
                 begin = (1.0 - 2.0**-20) * (ready + tau)
-                if first[v] < 0 and not _open(v, xy, table, i, apart, headway, begin, limit - left, desk):
+                if first[v] < 0 and not _open(v, xy, table, partners, i, apart, headway, begin, limit - left, desk):
                     reached = TOO_SMALL
                     break
                 s = first[v] - 1
@@ -220,6 +258,17 @@ def _search(team: Team, i: int, xy: Floats, table: Table, desk: Desk, limit: flo
                     u = links[origin, 0]
                     edge = xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1]
                     delta = first_departure(table, edge, tau, soonest, latest, i, apart, headway)
+                    if partners is not None:
+                        tries = 0
+                        while delta < inf:
+                            chance = next_chance(partners, edge, tau, delta, latest)
+                            if chance == delta:
+                                break
+                            tries += 1
+                            if tries == _FEW or not chance <= latest:
+                                delta = inf
+                            else:
+                                delta = first_departure(table, edge, tau, chance, latest, i, apart, headway)
                     counts[3] += 1
                     when = max(delta + tau, times[s, 0])
                     if when < times[s, 2]:
@@ -310,7 +359,7 @@ def _left(
 
 
 @lean_kernel
-def _traced(team: Team, i: int, xy: Floats, table: Table, desk: Desk, reached: int) -> int:
+def _traced(team: Team, i: int, xy: Floats, table: Table, partners: Partners | None, desk: Desk, reached: int) -> int:
     """Write the vertices of a motion with arrivals and departures; rests are put as late as the arrival allows."""
     apart, headway = team.body[i, 0], team.body[i, 1]
     times, links, path, at = desk.times, desk.links, desk.path, desk.at
@@ -332,7 +381,11 @@ def _traced(team: Team, i: int, xy: Floats, table: Table, desk: Desk, reached: i
         latest = min(at[k + 1, 1] - tau, times[s, 1])
         if latest > delta:
             edge = xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1]
-            delta = max(delta, last_departure(table, edge, tau, delta, latest, i, apart, headway))
+            later = last_departure(table, edge, tau, delta, latest, i, apart, headway)
+            if partners is None:
+                delta = max(delta, later)
+            elif later > delta and in_contact(partners, edge, tau, later):
+                delta = later
         path[k], at[k, 1] = u, delta
         at[k + 1, 0] = max(delta + tau, times[after, 0])
         at[k + 1, 1] = max(at[k + 1, 0], at[k + 1, 1])

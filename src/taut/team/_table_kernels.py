@@ -342,11 +342,11 @@ def forbidden_times(
                     return -1
                 lo[count], hi[count] = a - headway, b + headway
                 count += 1
-    return _merge(lo, hi, count)
+    return merge(lo, hi, count)
 
 
 @lean_kernel
-def _merge(lo: Floats, hi: Floats, count: int) -> int:
+def merge(lo: Floats, hi: Floats, count: int) -> int:
     """Sort open intervals and join those that overlap; returns how many remain."""
     for i in range(1, count):
         a, b = lo[i], hi[i]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from taut.errors import NoPlanExists, NoPlanFound
 from taut.team.diagnosis import MOST_PAIRS, diagnose, suspects
 from taut.team.impossibility import MOST_STATES, Impossible, first_impossible
+from taut.team.in_contact import Together
 from taut.team.prioritized import Round
 from taut.team.search import Searched
 from taut.team.world import World
@@ -39,6 +40,49 @@ def no_plan(world: World, best: Round, done: int) -> NoPlanFound:
         failure.time,
         failure.place,
         diagnose(world, best).sentences,
+    )
+
+
+def no_plan_in_contact(world: World, together: Together) -> NoPlanFound:
+    """Return the error that says which robot lost contact with whom, where and when.
+
+    Raises
+    ------
+    NoPlanExists
+        It turns out that there is no plan, in contact or not.
+    """
+    scene = world.scene
+    names = [robot.name for robot in scene.robots]
+    *before, last = together.stretches
+    contact = last.ties.contact
+    within = f"{contact.reach:.6g} m" + (" and in sight" if contact.sight else "")
+    more = ("a longer range, more room, or goals that lie as the starts do may help",)
+    if together.missing:
+        place = scene.robots[together.missing[0]].start
+        return NoPlanFound(
+            f"no plan found: no order lets each robot start and end within {within} of one planned before it: "
+            f"{_listed([names[i] for i in together.missing])} cannot follow, and the team found nowhere to gather on "
+            f"its way; {names[together.missing[0]]} is at ({place[0]:.2f}, {place[1]:.2f}) at t = 0 s",
+            [names[i] for i in together.missing],
+            0.0,
+            place,
+            more,
+        )
+    refuse_impossible(world, last.passed)
+    failure = last.passed.failures[0]
+    since = sum(max(m.arrival for m in stretch.passed.trajectories if m is not None) for stretch in before)
+    x, y = failure.place
+    lost = "" if last.lost is None else f"cannot stay within {within} of {names[last.lost]} or others: it "
+    others = [names[j] for j in failure.blockers if j != last.lost]
+    way = f"; in its way: {_listed(others)}" if others else ""
+    concerned = [names[failure.robot], *([] if last.lost is None else [names[last.lost]]), *others]
+    return NoPlanFound(
+        f"no plan found in {together.passes} round{'s' if together.passes > 1 else ''}: robot {names[failure.robot]} "
+        f"{lost}gets no further than ({x:.2f}, {y:.2f}) at t = {since + failure.time:.2f} s{way}",
+        concerned,
+        since + failure.time,
+        failure.place,
+        more,
     )
 
 

@@ -36,7 +36,7 @@ _SUSPICIOUS = 2  # passes that failed, before a proof is sought that all will
 _NODES = 10_000  # of an order search
 _BETWEEN = 8  # rounds of repair until roadmaps grow for the first time; then twice as many each time
 _ABOUT = np.stack([np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)], axis=1)
-_REPAIRS = 40  # rounds where neither these nor seconds are given: about a second's work
+REPAIRS = 40  # rounds where neither these nor seconds are given: about a second's work
 
 
 class Progress(NamedTuple):
@@ -132,7 +132,7 @@ def _repair(world: World, asked: Asked) -> Found:
         asked.tell(Progress("repair", before + done, 0, cost, bound))
 
     _, bound = world.bound(asked.objective)
-    rounds = _REPAIRS if asked.rounds is None and math.isinf(asked.until) else asked.rounds
+    rounds = REPAIRS if asked.rounds is None and math.isinf(asked.until) else asked.rounds
     plan, done = first.plan, 0
     with held_back() as interrupted:  # there is a plan now: it must not be lost
         for stage in counted():

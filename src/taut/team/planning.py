@@ -6,21 +6,25 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
 from taut.certificate import Certificate, certify
-from taut.errors import SceneError
+from taut.contact import Contact
+from taut.errors import NoPlanFound, SceneError
 from taut.graph import WEIGHTS, Weight
 from taut.motion import Plan
 from taut.roadmap import Lanes
 from taut.route import WAYS
 from taut.scene import Scene
 from taut.team.conflicts import conflicts_met, why_later
+from taut.team.contact_methods import IN_CONTACT
 from taut.team.methods import METHODS, OBJECTIVES, ORDERS, Asked, Order, Progress
 from taut.team.prioritized import Round
 from taut.team.repair import Objective
 from taut.team.stages import SequenceStage, Stage
+from taut.team.ties import ties_of
 from taut.team.world import World
 from taut.validation import validate
 
@@ -64,6 +68,7 @@ def plan(
     roadmap: str | Lanes = "visibility",
     objective: Objective = "sum_of_costs",
     within: float = 1.0,
+    contact: Contact | float | None = None,
 ) -> Result:
     """Plan the team and certify the plan.
 
@@ -91,6 +96,9 @@ def plan(
         their directions and within their speed limits; a start or goal that is no vertex is joined with the nearest.
     objective : with "repair" and "optimal": what is to be least, "sum_of_costs" or "makespan".
     within : with "optimal": the plan may cost up to so many times the bound.
+    contact : at every instant each robot is within that many metres of a robot planned before it, so that the team is
+        connected throughout; or a `taut.Contact`, for robots in sight of each other, teams of which some may fail, or a
+        least λ2. The plan claims it, and the certificate proves it. Not with "optimal".
 
     Raises
     ------
@@ -106,6 +114,9 @@ def plan(
     began = time.monotonic()
     chosen = method or ("prioritized" if rounds is None and seconds is None else "repair")
     _check(chosen, order, objective, within, split, roadmap)
+    demand = Contact(contact) if isinstance(contact, int | float) else contact
+    if demand is not None and chosen not in IN_CONTACT:
+        raise SceneError(f'contact belongs to the methods {", ".join(IN_CONTACT)}, not "{chosen}"')
     asked = Asked(
         order,
         seed,
@@ -120,9 +131,10 @@ def plan(
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
+    ties = None if demand is None else ties_of(scene, demand)
     world = World(scene, roadmap, seed)
     ready = time.monotonic()
-    found = METHODS[chosen](world, asked)
+    found = METHODS[chosen](world, asked) if ties is None else IN_CONTACT[chosen](world, ties, asked)
     planned = time.monotonic()
     planner = {
         "method": chosen,
@@ -133,7 +145,10 @@ def plan(
         **found.record,
         "seconds": round(planned - began, 3),
     }
-    final, certificate = certified(world, found.plan, planner, objective, found.bound)
+    claims = {} if demand is None else {"contact": demand.claim}
+    final, certificate = certified(world, found.plan, planner, objective, found.bound, claims)
+    if demand is not None and demand.lambda2 > 0 and not certificate.ok:
+        raise _too_weak(certificate)
     proved = time.monotonic()
     met = conflicts_met(world, found.plan)
     names = [robot.name for robot in scene.robots]
@@ -174,6 +189,7 @@ def certified(
     planner: Mapping[str, object],
     objective: Objective = "sum_of_costs",
     proven: float | None = None,
+    claims: Mapping[str, object] = MappingProxyType({}),
 ) -> tuple[Plan, Certificate]:
     """Return a round without failures as a plan that carries its certificate and bound, and the certificate.
 
@@ -186,8 +202,14 @@ def certified(
     if objective != "sum_of_costs":
         bound["of"] = objective
     found = tuple(motion for motion in done.trajectories if motion is not None)
-    certificate = certify(Plan(world.scene, found, planner, {}, bound))
-    return Plan(world.scene, found, planner, {}, bound, certificate.as_dict()), certificate
+    certificate = certify(Plan(world.scene, found, planner, claims, bound))
+    return Plan(world.scene, found, planner, claims, bound, certificate.as_dict()), certificate
+
+
+def _too_weak(certificate: Certificate) -> NoPlanFound:
+    """Return the error for a plan that keeps contact, but not with the λ2 demanded."""
+    problem = certificate.problems[0]
+    return NoPlanFound(f"no plan found: {problem}", problem.robots, problem.time, problem.place)
 
 
 def _silent(progress: Progress) -> None:

@@ -90,10 +90,10 @@ def repaired(
     Ends early when no robot could arrive sooner on its roadmap even if it were alone; Ctrl-C ends it after a round.
     Memory: besides the roadmaps, for each robot the part of it near its way, and twice the reservations.
     """
-    _check(first, seed, rounds, until, objective)
+    check_repair(first, seed, rounds, until, objective)
     motions = [motion for motion in first.trajectories if motion is not None]
-    costs = _costs(world, motions)
-    history = [_total(world, costs, objective)]
+    costs = costs_of(world, motions)
+    history = [total_cost(world, costs, objective)]
     most = math.inf if rounds is None else rounds
     if not motions or most == 0 or time.monotonic() > until:
         return Repaired(tuple(motions), history[0], 0, np.array(history), False)
@@ -105,7 +105,7 @@ def repaired(
         while done < most and time.monotonic() <= until and (strands[0].lane.cost > team.least * (1 + 1e-9)).any():
             strands = _next_round(team, strands, aim)
             done += 1
-            history.append(min(_total(world, strands[0].lane.cost, objective), history[-1]))
+            history.append(min(total_cost(world, strands[0].lane.cost, objective), history[-1]))
             if progress is not None:
                 progress(done, history[-1])
             if interrupted():
@@ -114,7 +114,8 @@ def repaired(
     return Repaired(_trajectories(motions, strands[0].table), history[-1], done, np.array(history), stopped)
 
 
-def _check(first: Round, seed: int | Sequence[int], rounds: int | None, until: float, objective: str) -> None:
+def check_repair(first: Round, seed: int | Sequence[int], rounds: int | None, until: float, objective: str) -> None:
+    """Raise ValueError if that cannot be repaired."""
     if first.failures or any(motion is None for motion in first.trajectories):
         raise ValueError("only a pass without failures can be repaired: plan until all robots get through")
     if objective not in get_args(Objective):
@@ -127,12 +128,15 @@ def _check(first: Round, seed: int | Sequence[int], rounds: int | None, until: f
         raise ValueError("repair needs a bound: give rounds, or until")
 
 
-def _costs(world: World, motions: Sequence[Trajectory]) -> Floats:
-    since = np.array([robot.start_time for robot in world.scene.robots])
+def costs_of(world: World, motions: Sequence[Trajectory], robots: Sequence[int] | None = None) -> Floats:
+    """Seconds that motions of all robots cost, or of some."""
+    chosen = range(len(motions)) if robots is None else robots
+    since = np.array([world.scene.robots[i].start_time for i in chosen])
     return np.asarray(np.maximum(np.array([motion.arrival for motion in motions]) - since, 0.0))
 
 
-def _total(world: World, costs: Floats, objective: Objective) -> float:
+def total_cost(world: World, costs: Floats, objective: Objective) -> float:
+    """Seconds of the objective for the costs of all robots."""
     if objective == "sum_of_costs":
         return math.fsum(costs.tolist())
     since = np.array([robot.start_time for robot in world.scene.robots])

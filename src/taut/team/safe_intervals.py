@@ -11,6 +11,7 @@ from taut.motion import Trajectory
 from taut.scene import Scene
 from taut.team import _search_kernels
 from taut.team._conflict_kernels import Floats, Ints
+from taut.team._contact_kernels import Partners
 from taut.team._search_kernels import EXACT, TOO_SMALL, Desk
 from taut.team._table_kernels import Table
 from taut.team._team_kernels import Team
@@ -44,12 +45,14 @@ class Bench:
     scene, team : the robots and their roadmaps.
     table : what is reserved.
     desk : what a search writes into.
+    partners : robots in contact with which the next one has to stay; None if it need not.
     """
 
     scene: Scene
     team: Team
     table: Table
     desk: Desk
+    partners: Partners | None = None
 
 
 def bench_of(world: World) -> Bench:
@@ -58,7 +61,7 @@ def bench_of(world: World) -> Bench:
     return Bench(world.scene, team, table, empty_desk(team, len(table.robot)))
 
 
-def plan_robot(bench: Bench, i: int, most: int = WITHOUT_END) -> Trajectory | Failure:
+def plan_robot(bench: Bench, i: int, most: int = WITHOUT_END, limit: float = math.inf) -> Trajectory | Failure:
     """Earliest arrival of one robot among what others have reserved, on its roadmap; what it finds is not reserved.
 
     A robot that is at its goal already stays, or is gone at once; it moves only if it has to let somebody pass.
@@ -66,11 +69,14 @@ def plan_robot(bench: Bench, i: int, most: int = WITHOUT_END) -> Trajectory | Fa
     Parameters
     ----------
     most : expansions after which it is given up.
+    limit : seconds; it is to arrive no later.
     """
     if len(bench.desk.stamp) < len(bench.table.robot):
         bench.desk = with_stamps(bench.desk, bench.table)
     while True:
-        count = _search_kernels.soonest_arrival(bench.team, i, bench.table, bench.desk, math.inf, most, EXACT)
+        count = _search_kernels.soonest_arrival(
+            bench.team, i, bench.table, bench.partners, bench.desk, limit, most, EXACT
+        )
         if count > 0:
             return Trajectory(bench.scene.robots[i].name, bench.desk.stamps[:count])
         if count != TOO_SMALL:

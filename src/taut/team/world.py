@@ -46,7 +46,7 @@ class World:
     """
 
     def __init__(self, scene: Scene, way: str | Lanes = "visibility", seed: int = 0) -> None:
-        self.scene = scene
+        self.scene, self.way, self.seed = scene, way, seed
         self._stations: dict[int, Floats] = {}
         robots = scene.robots
         self._growths = [scene.growth(robot) for robot in robots]
@@ -55,7 +55,7 @@ class World:
         routes: list[Route | None] = [None] * len(robots)
         shortest: Floats = np.empty(len(robots))
         self._own: list[OwnRoadmap | None] = [None] * len(robots)
-        self._on_lanes = isinstance(way, Lanes)
+        self.on_lanes = isinstance(way, Lanes)
         self._seconds: Floats = np.empty(len(robots))
         notes: list[str] = []
         for growth in dict.fromkeys(self._growths):
@@ -95,7 +95,7 @@ class World:
         self.routes = [route for route in routes if route is not None]
         self.shortest = shortest
         self.notes = tuple(note for note in notes if note)
-        if not self._on_lanes:
+        if not self.on_lanes:
             self._seconds = np.array([r.length / robot.speed for r, robot in zip(self.routes, robots, strict=True)])
         self._detours: list[Route | None] = [None] * len(robots)
         self._ends: Floats = np.array([p for r in robots for p in (r.start, r.goal)], dtype=np.float64).reshape(-1, 2)
@@ -114,8 +114,8 @@ class World:
         The model is "plane": no way is shorter than the shortest in free space; on lanes it is "roadmap".
         """
         speeds = np.array([robot.speed for robot in self.scene.robots])
-        alone = self._seconds if self._on_lanes else self.shortest / speeds
-        model = "roadmap" if self._on_lanes else "plane"
+        alone = self._seconds if self.on_lanes else self.shortest / speeds
+        model = "roadmap" if self.on_lanes else "plane"
         if objective == "makespan":
             since = np.array([robot.start_time for robot in self.scene.robots])
             return model, float(np.where(alone > 0, since + alone, 0.0).max(initial=0.0))
@@ -165,7 +165,7 @@ class World:
 
     def enrich(self, i: int, places: Floats) -> None:
         """Give robot i stations of its own at those of (k, 2) places that are free; on lanes there are none."""
-        if not self._on_lanes:
+        if not self.on_lanes:
             self._stations[i] = places[self.shared(i).freespace.mesh.locate(places) >= 0]
             self._own[i] = None
 
@@ -180,7 +180,7 @@ class World:
         On lanes there is never a new one: every way that they lead is known already.
         """
         robot = self.scene.robots[i]
-        if self._on_lanes or self._detours[i] is not None or robot.start == robot.goal:
+        if self.on_lanes or self._detours[i] is not None or robot.start == robot.goal:
             return False
         others = np.flatnonzero(np.arange(len(self._ends)) // 2 != i)
         apart = without_discs(self.shared(i).freespace, self._ends[others], self._keeps_from(i)[others])
