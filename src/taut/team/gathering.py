@@ -17,7 +17,7 @@ from scipy.optimize import linear_sum_assignment
 from taut.freespace import FreeSpace
 from taut.route import Route
 from taut.scene import Scene
-from taut.team._conflict_kernels import Floats
+from taut.team._conflict_kernels import Floats, Ints
 from taut.team.ties import Ties, linked_order, tied
 from taut.team.world import World
 
@@ -30,16 +30,24 @@ _ROOM = (1.9, 1.5, 1.2)  # distances of neighbours in separations: robots may pa
 def arrangements(world: World, ties: Ties) -> Iterator[list[Floats]]:
     """Yield sequences of arrangements (n, 2) from the starts to the goals that orders of planning lead through.
 
-    The shortest sequences come first; at the most open places first. None if even many arrangements do not help.
+    The shortest sequences come first; at the most open places first. None if even many arrangements do not help. Robots
+    that are at their goals already stay there.
     """
     scene = world.scene
     starts = np.array([robot.start for robot in scene.robots])
     goals = np.array([robot.goal for robot in scene.robots])
-    slots = [(centre, some) for room in _ROOM for centre, some in _open_places(world, room)]
+    moving = np.flatnonzero(~ties.resting)
+    if not moving.size:
+        return
+    slots = [(centre, some) for room in _ROOM for centre, some in _open_places(world, moving, room)]
     for count in range(1, _MOST_PLACES + 1):
         for centre, some in slots:
-            shares = np.arange(1, count + 1) / (count + 1)
-            found = [starts, *(_arranged(starts, goals, centre, some, share) for share in shares), goals]
+            found = [starts]
+            for share in np.arange(1, count + 1) / (count + 1):
+                places = starts.copy()
+                places[moving] = _arranged(starts[moving], goals[moving], centre, some, share)
+                found.append(places)
+            found.append(goals)
             if all(_leads(scene, ties, a, b) for a, b in pairwise(found)):
                 yield found
 
@@ -59,15 +67,16 @@ def _leads(scene: Scene, ties: Ties, starts: Floats, goals: Floats) -> bool:
     return len(linked_order(here, range(len(starts)))) == len(starts)
 
 
-def _open_places(world: World, room: float) -> list[tuple[Floats, Floats]]:
-    """Centres on the way of a robot, the most open first, and for each of them places for all robots nearby."""
+def _open_places(world: World, moving: Ints, room: float) -> list[tuple[Floats, Floats]]:
+    """Centres on the way of a robot, the most open first, and for each of them places for all that move nearby."""
     scene = world.scene
-    n = len(scene.robots)
-    largest = max(range(n), key=lambda i: scene.growth(scene.robots[i]))
+    n = len(moving)
+    largest = max(moving.tolist(), key=lambda i: scene.growth(scene.robots[i]))
     freespace: FreeSpace = world.shared(largest).freespace
     radius = max(robot.radius for robot in scene.robots)
     spacing = room * (2 * radius + scene.gap)
-    middle = int(np.argsort(world.shortest, kind="stable")[n // 2])
+    middle = int(moving[np.argsort(world.shortest[moving], kind="stable")[n // 2]])
+    taken = np.array([r.start for r in scene.robots if r.start == r.goal]).reshape(-1, 2)
     out = []
     part = freespace.part_of([scene.robots[largest].start])[0]
     for centre in _along(world.routes[middle], _CENTRES):
@@ -76,6 +85,7 @@ def _open_places(world: World, room: float) -> list[tuple[Floats, Floats]]:
             places = centre + around
             inside = freespace.mesh.locate(places)
             places = places[(inside >= 0) & np.isin(freespace.mesh.parts[inside], list(part))]
+            places = places[(_apart(places, taken) >= spacing).all(axis=1)]
             if len(places) >= n:
                 break
             around = _lattice(n * 4 ** (wider + 1), spacing)
@@ -85,6 +95,11 @@ def _open_places(world: World, room: float) -> list[tuple[Floats, Floats]]:
             out.append((float(away[nearest[-1]]), centre, places[nearest]))
     out.sort(key=lambda entry: entry[0])
     return [(centre, places) for _, centre, places in out[:_KEPT]]
+
+
+def _apart(places: Floats, others: Floats) -> Floats:
+    across = places[:, None] - others[None]
+    return np.asarray(np.hypot(across[..., 0], across[..., 1]))
 
 
 def _along(route: Route, count: int) -> Floats:

@@ -29,12 +29,14 @@ class Ties:
     contact : the demand.
     need : with how many robots planned before it each is in contact at every instant; the first ones with all before.
     walls : what blocks the sight.
+    resting : (n,) whether a robot is at its goal already: a base station, or one that has to make way at most.
     starts, goals : (n, n) whether two robots are in contact there; no robot with itself.
     """
 
     contact: Contact
     need: int
     walls: Walls
+    resting: Links
     starts: Links
     goals: Links
 
@@ -73,14 +75,16 @@ def tied(
             said = _too_loose(scene, which, places, linked, contact, need)
             if said:
                 raise refuse(said)
-    return Ties(contact, need, walls, links[0], links[1])
+    resting = np.array([robot.start == robot.goal for robot in scene.robots], dtype=np.bool_)
+    return Ties(contact, need, walls, resting, links[0], links[1])
 
 
 def linked_order(ties: Ties, preference: Sequence[int], before: Sequence[tuple[int, int]] = ()) -> list[int]:
     """Return an order in which each robot starts and ends in contact with enough before it; the preferred ones first.
 
-    Whoever may come next may come later, too, so who is preferred does not matter for how far an order gets, only who
-    is the first. The longest order found is returned: whoever is missing cannot follow.
+    Robots that are at their goals already come before all others, so that a base station stays where it is. Whoever may
+    come next may come later, too, so who is preferred does not matter for how far an order gets, only who is the first.
+    The longest order found is returned: whoever is missing cannot follow.
 
     Parameters
     ----------
@@ -89,6 +93,7 @@ def linked_order(ties: Ties, preference: Sequence[int], before: Sequence[tuple[i
     """
     n = len(preference)
     need = min(ties.need, n - 1)
+    preference = sorted(preference, key=lambda i: not ties.resting[i])
     longest: list[int] = []
     required: dict[int, set[int]] = {}
     for a, b in before:
