@@ -6,9 +6,10 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
+from taut.contact import Contact
 from taut.scene import Point
 
-KINDS = ("scene", "claim", "start", "goal", "start_time", "speed", "separation", "clearance", "crossing")
+KINDS = ("scene", "claim", "start", "goal", "start_time", "speed", "separation", "clearance", "crossing", "contact")
 WALL = "the wall"
 
 
@@ -18,13 +19,14 @@ class Problem:
 
     Parameters
     ----------
-    kind : one of "scene", "claim", "start", "goal", "start_time", "speed", "separation", "clearance", "crossing".
+    kind : one of "scene", "claim", "start", "goal", "start_time", "speed", "separation", "clearance", "crossing",
+        "contact".
     robots : names of the robots concerned, in the scene's order; empty if it concerns the whole plan.
     amount : by how many metres the rule is broken; 0 where that cannot be told in metres.
     time : seconds at which it is worst, if it has a time.
     place : (x, y) in metres of that moment, if it has a place.
     obstacle : name of the obstacle (two joined by " and "), or "the wall".
-    detail : what else is to be said, in words.
+    detail : what else is to be said, in words; of contact, all but the time and the place.
     """
 
     kind: str
@@ -61,6 +63,8 @@ class Problem:
                 what = ""
         when = "" if self.time is None else f" at t = {self.time:.9g} s"
         where = "" if self.place is None else f" near ({self.place[0]:.9g}, {self.place[1]:.9g})"
+        if self.kind == "contact":
+            return f"{self.detail}{when}{where}"
         said = f"{what}{when}{where}"
         return f"{said} ({self.detail})" if said and self.detail else said or self.detail
 
@@ -139,6 +143,40 @@ class Clearance:
 
 
 @dataclass(frozen=True)
+class ContactProof:
+    """How well a team keeps in contact, beside what was demanded of it.
+
+    Parameters
+    ----------
+    demand : what had to be proved.
+    lambda2 : least λ2 over time of the robots that are there, links weighing 1, for pieces of time with two or more;
+        None if there are none, and for more than 250 robots.
+    lambda2_time : seconds, where λ2 is that for the first time: the middle of that piece of time.
+    needed_range : metres, the least range with which the team would be connected at every instant, too large by a
+        millionth of the range demanded at most; None if the team loses contact or never has two robots.
+    needed_time : seconds at which it is needed.
+    """
+
+    demand: Contact
+    lambda2: float | None = None
+    lambda2_time: float | None = None
+    needed_range: float | None = None
+    needed_time: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return JSON-ready plain data."""
+        found = {
+            "lambda2": self.lambda2,
+            "lambda2_time": self.lambda2_time,
+            "needed_range": self.needed_range,
+            "needed_time": self.needed_time,
+        }
+        return {"demand": self.demand.claim} | {
+            name: None if value is None else _finite(value) for name, value in found.items()
+        }
+
+
+@dataclass(frozen=True)
 class Certificate:
     """The proof of a plan, or what is wrong with it.
 
@@ -148,7 +186,8 @@ class Certificate:
     separation : the nearest pair of robots over all time; None if no two robots are ever present together.
     clearances : the nearest obstacle of each robot, in the scene's order.
     max_speed_ratio : greatest speed on any leg divided by that robot's top speed; 0 if nothing moves.
-    problems : everything found wrong, at most one (the worst) per kind and robot or pair.
+    problems : everything found wrong, at most one (the worst) per kind and robot, pair or part of the team.
+    contact : what was found of the contact that was demanded or claimed; None if none was.
     """
 
     tol: float
@@ -156,6 +195,7 @@ class Certificate:
     clearances: tuple[Clearance, ...]
     max_speed_ratio: float
     problems: tuple[Problem, ...]
+    contact: ContactProof | None = None
 
     @property
     def ok(self) -> bool:
@@ -180,6 +220,7 @@ class Certificate:
 
     def as_dict(self) -> dict[str, Any]:
         """Return JSON-ready plain data (finite numbers only), the same for the same plan."""
+        proof = {} if self.contact is None else {"contact": self.contact.as_dict()}
         return {
             "ok": self.ok,
             "tol": self.tol,
@@ -188,6 +229,7 @@ class Certificate:
             "max_speed_ratio": _finite(self.max_speed_ratio),
             "separation": None if self.separation is None else self.separation.as_dict(),
             "clearance": None if self.clearance is None else self.clearance.as_dict(),
+            **proof,
             "problems": [problem.as_dict() for problem in self.problems],
         }
 

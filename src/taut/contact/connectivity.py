@@ -11,7 +11,7 @@ import numpy as np
 from taut.contact._strength_kernels import parts, strongly_connected
 from taut.contact.blocks import Block, epochs
 from taut.contact.core import Contacts, Ints
-from taut.contact.spectra import fiedler_of_each
+from taut.contact.spectra import fiedler_of_each, one_thread
 from taut.graph import Graph, cut_edges, cut_vertices
 from taut.scene import FloatArray
 
@@ -43,8 +43,13 @@ def graph_at(contacts: Contacts, piece: int) -> Graph:
     count = len(contacts.times)
     if not 0 <= piece < count:
         raise IndexError(f"there is no piece {piece}; the pieces are 0 … {count - 1}")
-    first, last = contacts.spans.T
-    return Graph.from_edges(len(contacts.names), contacts.pairs[(first <= piece) & (piece < last)])
+    time = contacts.times[piece]
+    return Graph.from_edges(len(contacts.names), contacts.pairs[(contacts.begins <= time) & (time < contacts.ends)])
+
+
+def robots_at(contacts: Contacts, piece: int) -> Ints:
+    """(k,) the robots, ascending, that are there during a piece."""
+    return np.flatnonzero(contacts.gone > contacts.times[piece])
 
 
 def components_at(contacts: Contacts, piece: int) -> Ints:
@@ -56,7 +61,7 @@ def components_at(contacts: Contacts, piece: int) -> Ints:
         There is no such piece.
     """
     pairs = graph_at(contacts, piece).edges
-    there = np.flatnonzero(contacts.present[piece])
+    there = robots_at(contacts, piece)
     out = np.full(len(contacts.names), -1, dtype=np.int64)
     out[there] = parts(len(there), np.searchsorted(there, pairs))
     return out
@@ -140,13 +145,15 @@ def k_connected(n: int, pairs: Ints, k: int) -> bool:
     if n <= k + 1:
         return len(links) == n * (n - 1) // 2
     graph = Graph.from_edges(n, links)
+    if k == 2:
+        return connected(n, links) and not len(cut_vertices(graph))
     return bool(np.diff(graph.indptr).min() >= k) and strongly_connected(graph.indptr, graph.indices, k)
 
 
 def fiedler_at_least(n: int, pairs: Ints, least: float) -> bool:
     """Whether λ2 of n robots with these links (m, 2), weighing 1, is at least so much; one or none is always enough.
 
-    A link may be given twice.
+    A link may be given twice. To be called with `one_thread`, as it is often called many times.
 
     >>> fiedler_at_least(3, np.array([[0, 1], [1, 2]]), 0.9)
     True
@@ -163,8 +170,9 @@ def fiedler_at(contacts: Contacts, piece: int) -> float:
         There is no such piece.
     """
     pairs = graph_at(contacts, piece).edges
-    there = np.flatnonzero(contacts.present[piece])
-    return float(fiedler_of_each(len(there), [np.searchsorted(there, pairs)])[0])
+    there = robots_at(contacts, piece)
+    with one_thread():
+        return float(fiedler_of_each(len(there), [np.searchsorted(there, pairs)])[0])
 
 
 def failing_pieces(contacts: Contacts, holds: Holds) -> Ints:
@@ -200,12 +208,13 @@ def least_fiedler(contacts: Contacts) -> tuple[int, float]:
                     value = float(fiedler_of_each(block.n, [block.throughout])[0])
                 heapq.heappush(heap, (value, block.first, block))
 
-    push(list(epochs(contacts)))
-    while heap:
-        value, first, block = heapq.heappop(heap)
-        if block.last - first == 1:
-            return first, value
-        push(block.halves)
+    with one_thread():
+        push(list(epochs(contacts)))
+        while heap:
+            value, first, block = heapq.heappop(heap)
+            if block.last - first == 1:
+                return first, value
+            push(block.halves)
     return 0, 0.0
 
 

@@ -77,7 +77,8 @@ class Contacts:
         return self.middle(piece), float(self.fiedler[piece])
 
     def middle(self, piece: int) -> float:
-        """Middle of a piece, seconds; the begin of the last, which has none."""
-        if piece + 1 == len(self.times):
-            return float(self.times[piece])
-        return float((self.times[piece] + self.times[piece + 1]) / 2)
+        """Middle of a piece, seconds; of the last, which has none, the end of all motion or a second from its begin."""
+        if piece + 1 < len(self.times):
+            return float((self.times[piece] + self.times[piece + 1]) / 2)
+        begin = float(self.times[piece])
+        return self.until if self.until > begin else begin + 1.0

@@ -11,7 +11,7 @@ from taut.contact.blocks import epochs
 from taut.contact.core import Contacts, Ints
 from taut.contact.links import contacts
 from taut.contact.motions import Motions, distance_bounds, motions_of
-from taut.contact.spectra import fiedler_of_each
+from taut.contact.spectra import fiedler_of_each, one_thread
 from taut.errors import SceneError
 from taut.graph import Weight
 from taut.motion import Plan
@@ -136,11 +136,12 @@ def _bounds(
         _check(weights[0][-1], weights[1][-1])
     out = np.zeros((3, len(pieces)))
     sizes = np.array([piece.n for piece in pieces])
-    for n in np.unique(sizes):
-        own = np.flatnonzero(sizes == n)
-        links = [pieces[k].links for k in own]
-        for row, each in zip(out, weights, strict=True):
-            row[own] = fiedler_of_each(int(n), links, [each[k] for k in own])
+    with one_thread():
+        for n in np.unique(sizes):
+            own = np.flatnonzero(sizes == n)
+            links = [pieces[k].links for k in own]
+            for row, each in zip(out, weights, strict=True):
+                row[own] = fiedler_of_each(int(n), links, [each[k] for k in own])
     return out[0], out[1], out[2]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from taut.chunks import over_chunks
 from taut.contact._link_kernels import GROUP, contact_spans
 from taut.contact.core import Contacts, Ints
-from taut.contact.motions import Motions, motions_of
+from taut.contact.motions import Motions, motions_of, swept_boxes
 from taut.contact.outlines import sight_sides
 from taut.errors import SceneError
 from taut.motion import Plan
@@ -17,6 +17,12 @@ from taut.scene import FloatArray
 
 _CHUNK = 2000
 """Pairs that one thread takes at once."""
+
+_SLABS = 16
+"""Parts of time in which pairs are looked at to see whether they can be within reach."""
+
+_ROUNDING = 2.0**-44
+"""What rounding may do to bounds, in units, and more: a sixteenth of the tolerance at most."""
 
 
 def contacts(plan: Plan, reach: float, sight: bool = False) -> Contacts:
@@ -91,17 +97,15 @@ def _stretches(motions: Motions, reach: float, sides: FloatArray) -> tuple[Ints,
 
 
 def _candidates(motions: Motions, reach: float) -> Ints:
-    """Pairs i < j whose bounds over all time are within reach."""
+    """Pairs i < j whose bounds are within reach in any slab of time."""
     n = len(motions.gone)
     if n < 2:
         return np.empty((0, 2), dtype=np.int64)
-    x0, y0, x1, y1 = motions.boxes.T
+    x0, y0, x1, y1 = np.moveaxis(swept_boxes(motions, _SLABS), 2, 0).copy()
     found = []
     for i in range(n - 1):
-        apart = np.maximum(
-            np.maximum(x0[i + 1 :] - x1[i], x0[i] - x1[i + 1 :]), np.maximum(y0[i + 1 :] - y1[i], y0[i] - y1[i + 1 :])
-        )
-        j = i + 1 + np.flatnonzero(apart <= reach)
+        apart = np.maximum.reduce([x0[i + 1 :] - x1[i], x0[i] - x1[i + 1 :], y0[i + 1 :] - y1[i], y0[i] - y1[i + 1 :]])
+        j = i + 1 + np.flatnonzero(apart.min(axis=1) <= reach + _ROUNDING)
         found.append(np.stack([np.full_like(j, i), j], axis=1))
     return np.concatenate(found).astype(np.int64)
 

@@ -36,12 +36,6 @@ class Motions:
     gone: FloatArray
     unit: float
 
-    @property
-    def boxes(self) -> FloatArray:
-        """Bounds xmin, ymin, xmax, ymax of each robot's stamps, (n, 4) in units."""
-        at = self.first[:-1]
-        return np.stack([f.reduceat(c, at) for f in (np.minimum, np.maximum) for c in (self.x, self.y)], axis=1)
-
 
 def motions_of(plan: Plan) -> Motions:
     """Flatten a plan; rests after the arrival are dropped, as robots that stay rest for ever."""
@@ -68,3 +62,27 @@ def distance_bounds(
     arguments = motions.t, motions.x, motions.y, motions.first, np.ascontiguousarray(pairs)
     least, greatest = distances(*arguments, begin, end)
     return least * motions.unit, greatest * motions.unit
+
+
+def place_at(motions: Motions, robot: int, time: float) -> FloatArray:
+    """Return where a robot is at a time, (2,) metres; where it left, once it has."""
+    own = slice(motions.first[robot], motions.first[robot + 1])
+    return np.array([np.interp(time, motions.t[own], c[own]) for c in (motions.x, motions.y)]) * motions.unit
+
+
+def swept_boxes(motions: Motions, slabs: int) -> FloatArray:
+    """Bounds xmin, ymin, xmax, ymax of each robot in each of some slabs of time, (n, slabs, 4) in units, to rounding.
+
+    The slabs hold about as many stamps each, and the last also all time after.
+    """
+    borders = np.quantile(motions.t, np.linspace(0.0, 1.0, slabs + 1))
+    out = np.empty((len(motions.gone), slabs, 4))
+    for r, own in enumerate(out):
+        part = slice(motions.first[r], motions.first[r + 1])
+        times = np.sort(np.concatenate([motions.t[part], borders]))
+        begin = np.searchsorted(times, borders)
+        for k, coordinates in enumerate((motions.x[part], motions.y[part])):
+            c = np.interp(times, motions.t[part], coordinates)
+            own[:, k] = np.minimum(np.minimum.reduceat(c, begin[:-1]), c[begin[1:]])
+            own[:, k + 2] = np.maximum(np.maximum.reduceat(c, begin[:-1]), c[begin[1:]])
+    return out

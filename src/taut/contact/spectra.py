@@ -1,8 +1,13 @@
-"""λ2 of the graphs of a team, piece after piece: many small graphs at once."""
+"""λ2 of the graphs of a team, piece after piece: many small graphs at once.
+
+One BLAS thread is enough for small matrices, and gives the same bits everywhere. To ask for it takes as long as the
+eigenvalues of fifty robots; so whoever solves many graphs asks once, by `one_thread`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +25,12 @@ _SMALL = 150
 
 _BATCH = 2**22
 """Entries of the matrices solved at once."""
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Have BLAS use one thread in a ``with`` block."""
+    limits: AbstractContextManager[object] = threadpool_limits(1, user_api="blas")
+    return limits
 
 
 def fiedler_values(present: Flags, pairs: Ints, spans: Ints) -> FloatArray:
@@ -51,7 +62,8 @@ def fiedler_values(present: Flags, pairs: Ints, spans: Ints) -> FloatArray:
         number = np.cumsum(there) - 1
         packed = [np.frombuffer(graph, dtype=np.uint8) for graph in graphs]
         links = [number[ends[np.unpackbits(bits, count=len(ends)).astype(np.bool_)]] for bits in packed]
-        values = fiedler_of_each(int(there.sum()), links)
+        with one_thread():
+            values = fiedler_of_each(int(there.sum()), links)
         for pieces, value in zip(graphs.values(), values, strict=True):
             out[pieces] = value
     return out
@@ -61,7 +73,7 @@ def fiedler_of_each(n: int, links: Sequence[Ints], weights: Sequence[FloatArray]
     """λ2 of graphs on n vertices given by their links (m, 2), no link twice, and weights (m,), 1 by default.
 
     0 for fewer than two vertices and where they are not connected by links of positive weight. Within 1e-12 of the
-    greatest eigenvalue.
+    greatest eigenvalue. To be called with `one_thread`.
 
     >>> fiedler_of_each(3, [np.array([[0, 1], [1, 2]]), np.array([[0, 1]])]).round(12).tolist()
     [1.0, 0.0]
@@ -77,15 +89,14 @@ def fiedler_of_each(n: int, links: Sequence[Ints], weights: Sequence[FloatArray]
         out[whole] = [algebraic_connectivity(Graph.from_edges(n, links[k], values[k])) for k in whole]
         return out
     size = max(1, _BATCH // n**2)
-    with threadpool_limits(1, user_api="blas"):
-        for first in range(0, len(whole), size):
-            chunk = whole[first : first + size]
-            matrices = np.zeros((len(chunk), n, n))
-            for matrix, k in zip(matrices, chunk, strict=True):
-                i, j = links[k].T
-                matrix[i, j] = matrix[j, i] = -values[k]
-            matrices[:, range(n), range(n)] = -matrices.sum(axis=2)
-            # With resistances along a spanning tree, λ2 ≥ 2 w / (n − 1)², w the least weight.
-            least = [values[k][values[k] > 0].min() * 2.0 / (n - 1) ** 2 for k in chunk]
-            out[chunk] = np.maximum(np.linalg.eigvalsh(matrices)[:, 1], least)
+    for first in range(0, len(whole), size):
+        chunk = whole[first : first + size]
+        matrices = np.zeros((len(chunk), n, n))
+        for matrix, k in zip(matrices, chunk, strict=True):
+            i, j = links[k].T
+            matrix[i, j] = matrix[j, i] = -values[k]
+        matrices[:, range(n), range(n)] = -matrices.sum(axis=2)
+        # With resistances along a spanning tree, λ2 ≥ 2 w / (n − 1)², w the least weight.
+        least = [values[k][values[k] > 0].min() * 2.0 / (n - 1) ** 2 for k in chunk]
+        out[chunk] = np.maximum(np.linalg.eigvalsh(matrices)[:, 1], least)
     return out
