@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
+
+if TYPE_CHECKING:
+    from taut.contact import Contact
 
 ROADMAP_ENDINGS = (".json", ".graphml", ".npz")
 """Of files with lanes; said here again because `taut.formats` is slow to import."""
@@ -81,6 +85,31 @@ def roadmap_source(value: str) -> str:
     raise typer.BadParameter(f"{value!r} {wrong}; give one of {names}, or a file ({endings})")
 
 
+def contact_asked(
+    reach: float | None, sight: bool, connected: int | None = None, lambda2: float | None = None
+) -> Contact | None:
+    """Return the demand that the options of contact make together; None if none of them is given.
+
+    Raises
+    ------
+    typer.BadParameter
+        A number that makes no sense, or an option that needs --contact without it.
+    """
+    needing = {"--sight": sight, "--connected": connected is not None, "--lambda2": lambda2 is not None}
+    for option, given in needing.items():
+        if given and reach is None:
+            raise typer.BadParameter("belongs to --contact R", param_hint=option)
+    if reach is None:
+        return None
+    if not (math.isfinite(reach) and reach > 0):
+        raise typer.BadParameter("must be a positive number of metres", param_hint="--contact")
+    if lambda2 is not None and not (math.isfinite(lambda2) and lambda2 >= 0):
+        raise typer.BadParameter("must be a number of at least 0", param_hint="--lambda2")
+    from taut.contact import Contact
+
+    return Contact(reach, sight, connected or 1, lambda2 or 0.0)
+
+
 SceneArgument: TypeAlias = Annotated[
     str, typer.Argument(metavar="SCENE", help="A scene file, or the name of a ready scene.")
 ]
@@ -100,3 +129,19 @@ AnimateOption: TypeAlias = Annotated[
     Path | None, typer.Option("--animate", metavar="FILE", help="Make an animation (.gif; .mp4 needs ffmpeg).")
 ]
 GraphOption: TypeAlias = Annotated[bool, typer.Option("--graph", help="Draw the visibility graph under the figure.")]
+ContactOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option("--contact", metavar="R", help="The team stays connected by links between robots within R metres."),
+]
+SightOption: TypeAlias = Annotated[
+    bool, typer.Option("--sight", help="With --contact: obstacles and walls break a link.")
+]
+ConnectedOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--connected", min=1, max=1_000_000, metavar="K", help="With --contact: also when any K - 1 robots fail."
+    ),
+]
+Lambda2Option: TypeAlias = Annotated[
+    float | None, typer.Option("--lambda2", metavar="V", help="With --contact: the Fiedler value λ2 is at least V.")
+]

@@ -13,6 +13,7 @@ from taut.cli.output import progress, require_writable
 from taut.errors import OutputError
 
 if TYPE_CHECKING:
+    from taut.contact import Contact
     from taut.motion import Plan
     from taut.roadmap import Roadmap
     from taut.scene import Scene
@@ -38,7 +39,13 @@ def require_pictures(figure: Path | None, animation: Path | None, with_graph: bo
         raise typer.BadParameter("draws under a figure: give --figure FILE too", param_hint="--graph")
 
 
-def write_pictures(value: Scene | Plan, figure: Path | None, animation: Path | None, with_graph: bool) -> list[str]:
+def write_pictures(
+    value: Scene | Plan,
+    figure: Path | None,
+    animation: Path | None,
+    with_graph: bool,
+    contact: Contact | None = None,
+) -> list[str]:
     """Draw what is wanted; return the names of the files written."""
     from taut.motion import Plan
 
@@ -48,13 +55,13 @@ def write_pictures(value: Scene | Plan, figure: Path | None, animation: Path | N
 
         scene = value.scene if isinstance(value, Plan) else value
         with progress(f"drawing {figure}"):
-            save_figure(value, figure, graph=_roadmap_under(scene) if with_graph else None)
+            save_figure(value, figure, graph=_roadmap_under(scene) if with_graph else None, contact=contact)
         written.append(str(figure))
     if animation is not None and isinstance(value, Plan):
         from taut.figures import animate
 
         with progress(f"drawing {animation}"):
-            animate(value, animation)
+            animate(value, animation, contact=contact)
         written.append(str(animation))
     return written
 

@@ -14,20 +14,34 @@ import typer
 
 from taut.cli.options import (
     AnimateOption,
+    ConnectedOption,
+    ContactOption,
     FigureOption,
     GraphOption,
     JsonOption,
+    Lambda2Option,
     Method,
     Objective,
     Order,
     RoadmapName,
     RoadmapOption,
     SceneArgument,
+    SightOption,
     WeightName,
+    contact_asked,
 )
 from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
 from taut.cli.pictures import require_pictures, write_pictures, write_stages
-from taut.cli.reports import certificate_facts, plan_report, say_plan, say_problems, say_scene, say_stages, scene_report
+from taut.cli.reports import (
+    certificate_facts,
+    cuts_report,
+    plan_report,
+    say_plan,
+    say_problems,
+    say_scene,
+    say_stages,
+    scene_report,
+)
 from taut.errors import OutputError, SceneError
 
 if TYPE_CHECKING:
@@ -60,6 +74,10 @@ def plan(
         list[str] | None,
         typer.Option(metavar="NAMES", help='One side of the cut by hand, like "O1,O4,R1 start" (--method mrppa).'),
     ] = None,
+    contact: ContactOption = None,
+    sight: SightOption = False,
+    connected: ConnectedOption = None,
+    lambda2: Lambda2Option = None,
     stages: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write a figure, a text and a JSON record of every stage.")
     ] = None,
@@ -77,6 +95,7 @@ def plan(
             raise typer.BadParameter("belongs to --method mrppa", param_hint=option)
     if method is Method.mrppa and roadmap != RoadmapName.visibility:
         raise typer.BadParameter("--method mrppa works on the visibility graph", param_hint="--roadmap")
+    demand = contact_asked(contact, sight, connected, lambda2)
     never = Path(scene)
     require_writable(output, "a plan", (".json",), never)
     require_pictures(figure, animate, with_graph, never)
@@ -112,6 +131,7 @@ def plan(
             within=within,
             weight=None if weight is None else weight.value,
             split=None if split is None else _names(split, split_names(world)),
+            contact=demand,
         )
     report = plan_report(result.plan, result.certificate, list(result.shortest), list(result.detours))
     report["notes"] = list(result.notes)
@@ -151,9 +171,15 @@ def verify(
     scene: Annotated[
         str | None, typer.Option(metavar="SCENE", help="Prove it for this scene instead of the one in the plan file.")
     ] = None,
+    contact: ContactOption = None,
+    sight: SightOption = False,
+    connected: ConnectedOption = None,
+    lambda2: Lambda2Option = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Prove a plan from the plan file alone; exit code 0 only if it holds."""
+    """Prove a plan from the plan file alone, and the contact asked for or claimed; exit code 0 only if it holds."""
+    demand = contact_asked(contact, sight, connected, lambda2)
+
     from taut.certificate import certify
     from taut.formats import load_plan, load_scene
     from taut.validation import validate
@@ -167,11 +193,12 @@ def verify(
         if scene is not None and world is not None:
             with about(scene):
                 validate(world)
-        certificate = certify(claimed, world)
+        certificate = certify(claimed, world, contact=demand)
+        cuts = cuts_report(claimed, certificate)
     if as_json:
-        say_json({"plan": plan, **certificate.as_dict()})
+        say_json({"plan": plan, **certificate.as_dict(), **({} if cuts is None else {"cut_vertices": cuts})})
     else:
-        say_facts(certificate_facts(certificate))
+        say_facts(certificate_facts(certificate, cuts))
         say_problems(certificate)
     if not certificate.ok:
         complain(f"{plan}: the plan does not hold")
@@ -184,11 +211,18 @@ def show(
     ] = None,
     animate: AnimateOption = None,
     with_graph: GraphOption = False,
+    contact: Annotated[
+        float | None, typer.Option("--contact", metavar="R", help="Draw the links of a plan within R metres.")
+    ] = None,
+    sight: SightOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Sum up a scene or a plan; with --figure draw it."""
+    links = contact_asked(contact, sight)
     never = Path(source)
     require_pictures(figure, animate, with_graph, never)
+    if links is not None and figure is None and animate is None:
+        raise typer.BadParameter("is drawn: give --figure FILE or --animate FILE too", param_hint="--contact")
 
     from taut.certificate import certify
     from taut.motion import Plan
@@ -196,6 +230,8 @@ def show(
 
     value = _load(source)
     if not isinstance(value, Plan):
+        if links is not None:
+            raise OutputError(f"{source}: a scene has no links; make a plan first: taut plan {source} -o plan.json")
         if animate is not None:
             raise OutputError(f"{animate}: a scene does not move; make a plan first: taut plan {source} -o plan.json")
         report = scene_report(value)
@@ -213,7 +249,8 @@ def show(
     certificate = certify(value)
     report = plan_report(value, certificate)
     # Pictures say whether a plan is certified: by this proof, not by the one that the file claims.
-    report["files"] = write_pictures(replace(value, certificate=certificate.as_dict()), figure, animate, with_graph)
+    shown = replace(value, certificate=certificate.as_dict())
+    report["files"] = write_pictures(shown, figure, animate, with_graph, links)
     if as_json:
         say_json(report)
     else:

@@ -11,12 +11,14 @@ from taut.cli.tables import say_table
 from taut.errors import NoPath
 
 if TYPE_CHECKING:
-    from taut.certificate import Certificate
+    from taut.certificate import Certificate, ContactProof
     from taut.motion import Plan
     from taut.scene import Robot, Scene
     from taut.team.stages import Stage
 
 Report: TypeAlias = dict[str, Any]
+
+MOST_LISTED = 8
 
 
 def scene_report(scene: Scene) -> Report:
@@ -81,8 +83,21 @@ def reach_report(scene: Scene, robots: Sequence[Robot]) -> list[Report]:
     return out
 
 
-def certificate_facts(certificate: Certificate) -> list[tuple[str, str]]:
-    """Return what was proved, for people."""
+def cuts_report(plan: Plan, certificate: Certificate) -> dict[str, float] | None:
+    """Find for how many seconds each robot was a cut vertex; None if no contact had to be proved, or of too many."""
+    if certificate.contact is None or certificate.contact.lambda2 is None:
+        return None
+    from taut.contact import contacts
+    from taut.contact.cuts import cut_times
+
+    demand = certificate.contact.demand
+    found = contacts(plan, demand.reach, demand.sight)
+    cuts = cut_times(found)
+    return {found.names[k]: float((spans.clip(max=found.until) @ (-1, 1)).sum()) for k, spans in cuts.items()}
+
+
+def certificate_facts(certificate: Certificate, cuts: Mapping[str, float] | None = None) -> list[tuple[str, str]]:
+    """Return what was proved, for people; with contact also for how long which robots were cut vertices."""
     near, close = certificate.separation, certificate.clearance
     separation, clearance = "none, no two robots are there at the same time", "none, there are no robots"
     if near is not None:
@@ -93,8 +108,32 @@ def certificate_facts(certificate: Certificate) -> list[tuple[str, str]]:
     return [
         ("least separation", separation),
         ("least clearance", clearance),
+        *_contact_facts(certificate.contact, cuts),
         ("certified", f"{'yes' if certificate.ok else 'NO'}, tolerance {certificate.tol:.2g} m"),
     ]
+
+
+def _contact_facts(proof: ContactProof | None, cuts: Mapping[str, float] | None) -> list[tuple[str, str]]:
+    if proof is None:
+        return []
+    demand = proof.demand
+    asked = f"within {demand.reach:g} m" + (" and in sight" if demand.sight else "")
+    asked += f", {demand.k}-connected" if demand.k > 1 else ""
+    asked += f", λ2 at least {demand.lambda2:g}" if demand.lambda2 > 0 else ""
+    facts = [("contact", asked)]
+    if proof.lambda2 is not None:
+        facts.append(("least λ2", f"{proof.lambda2:.6g} at t = {proof.lambda2_time:.6g} s"))
+    if proof.needed_range is not None:
+        facts.append(("range needed", f"{proof.needed_range:.9g} m, at t = {proof.needed_time:.6g} s"))
+    if cuts is not None:
+        facts.append(("cut vertices", _listed([f"{name} ({time:.4g} s)" for name, time in cuts.items()])))
+    return facts
+
+
+def _listed(items: Sequence[str]) -> str:
+    if len(items) <= MOST_LISTED:
+        return ", ".join(items) or "none"
+    return f"{', '.join(items[:MOST_LISTED])} and {len(items) - MOST_LISTED} more"
 
 
 def say_problems(certificate: Certificate) -> None:
@@ -128,6 +167,7 @@ def plan_report(
             }
         )
     bound = plan.lower_bound
+    cuts = cuts_report(plan, certificate)
     return {
         "ok": bool(certificate.ok),
         "scene": plan.scene.name,
@@ -139,6 +179,7 @@ def plan_report(
         "lower_bound": None if bound is None else dict(bound),
         "gap": _excess(getattr(plan, _bounded(bound)), bound),
         "certificate": certificate.as_dict(),
+        **({} if cuts is None else {"cut_vertices": cuts}),
     }
 
 
@@ -164,7 +205,7 @@ def say_plan(report: Report, certificate: Certificate) -> None:
         ("sum of costs", costs["sum_of_costs"]),
         ("makespan", costs["makespan"]),
         ("total length", f"{report['length']:.4f} m"),
-        *certificate_facts(certificate),
+        *certificate_facts(certificate, report.get("cut_vertices")),
     ]
     if "elapsed" in report:
         facts.append(("planned in", f"{report['elapsed']:.2f} s"))

@@ -160,7 +160,6 @@ def scenes(as_json: JsonOption = False) -> None:
 def warmup(as_json: JsonOption = False) -> None:
     """Compile the kernels once, so that the first plan does not wait for them."""
     from taut.certificate import certify
-    from taut.contact import Contact
     from taut.freespace import FreeSpace
     from taut.roadmap import visibility_graph
     from taut.route import shortest_path
@@ -175,7 +174,7 @@ def warmup(as_json: JsonOption = False) -> None:
         certificate = certify(plan_team(tiny, rounds=1).plan)
         for method in ("search", "optimal"):
             plan_team(tiny, method)
-        plan_team(tiny, contact=Contact(9.0, sight=True))
+        plan_team(tiny, contact=9.0)
         free = FreeSpace.of(tiny, robots[0])
         visibility_graph(free, edges="all", points=[robots[0].start])
         shortest_path(free, robots[0].start, robots[0].goal)

@@ -6,13 +6,14 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba_array
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 
@@ -22,7 +23,7 @@ from taut.figures.canvas import points_per_metre, sheet
 from taut.figures.labels import text_size
 from taut.figures.maps import draw_map, name_obstacles, scene_view
 from taut.figures.movies import Frame, Palette, find_encoder, write_gif, write_mp4
-from taut.figures.pictures import end_legend
+from taut.figures.pictures import end_handles, line_handle, shown_contacts, write_legend
 from taut.figures.plans import draw_paths, in_seconds, pale, route_of, within_reach
 from taut.figures.saving import any_letters, check_kind
 from taut.figures.style import INK, QUIET, darker, mix, robot_colours
@@ -30,6 +31,9 @@ from taut.figures.teams import discs, draw_ends, mark_radius, visible_radii
 from taut.motion import Plan, Trajectory
 from taut.scene import FloatArray
 from taut.writing import replacing
+
+if TYPE_CHECKING:
+    from taut.contact import Contact, Contacts
 
 LONGEST = 11.5  # seconds of motion shown, by default
 HOLD = 1.2  # seconds that the last frame stays
@@ -48,8 +52,12 @@ def animate(
     fps: float | None = None,
     seconds: float | None = None,
     width: int = 720,
+    contact: Contact | float | None = None,
 ) -> None:
     """Show a plan in motion as a .gif, or as an .mp4 if ffmpeg is installed.
+
+    A plan that claims contact, or is shown with `contact`, has links between its robots, the thicker the nearer they
+    are and red where the loss of one would split the team, and under the map the course of λ2; of up to 150 robots.
 
     Robots that leave fade at their arrival; robots too small to be seen are drawn as small marks. The same plan
     gives the same .gif, byte for byte. The file is written beside its place and then renamed.
@@ -62,6 +70,7 @@ def animate(
     seconds : how long the motion from 0 to the last arrival takes in the animation; by default as long as it really
         does, at most 11.5 s.
     width : of the picture in pixels, at most.
+    contact : links to show: a range in metres or a `Contact`; by default those that the plan claims.
 
     Raises
     ------
@@ -76,17 +85,19 @@ def animate(
         raise OutputError("an animation needs fps in (0, 100], seconds in (0, 3600] and width ≥ 160 pixels")
     encoder = find_encoder(target) if kind == "mp4" else ""
     view = scene_view(plan.scene)
+    found = shown_contacts(plan, contact)
     plan = within_reach(plan, view)
     film = _film(plan, fps, seconds)
     axes = sheet(view, width / DPI, 1.15 * width / DPI)
     with any_letters(), replacing(target) as scratch:
-        render = _stage(axes, plan, film)
+        render = _stage(axes, plan, film, found)
         count = len(film.times)
         if encoder:
             write_mp4(scratch, _rendered(render, count), fps, HOLD, encoder)
         else:
             some = [render(k) for k in sorted({0, count // 4, count // 2, 3 * count // 4, count - 1})]
-            palette = Palette(some, _plain_colours(len(plan.trajectories)))
+            links = [] if found is None else [style.LINK, style.BRIDGE, style.APART]
+            palette = Palette(some, [*_plain_colours(len(plan.trajectories)), *links])
             write_gif(scratch, _rendered(render, count), count, fps, HOLD, palette)
 
 
@@ -132,7 +143,7 @@ def _headings(trajectory: Trajectory, times: FloatArray) -> FloatArray:
     return np.asarray(units[np.maximum(last, 0)], dtype=np.float64)
 
 
-def _stage(axes: Axes, plan: Plan, film: _Film) -> Callable[[int], Frame]:
+def _stage(axes: Axes, plan: Plan, film: _Film, found: Contacts | None) -> Callable[[int], Frame]:
     """Draw the background once and return the function that renders frame k over it."""
     scene, n = plan.scene, len(plan.trajectories)
     colours = robot_colours(n)
@@ -143,9 +154,11 @@ def _stage(axes: Axes, plan: Plan, film: _Film) -> Callable[[int], Frame]:
     draw_paths(axes, routes, faint, width=1.1 if n <= FEW_NAMES else 0.7 if n <= 60 else 0.4)
     if n <= MANY:
         draw_ends(axes, scene, pale(colours))
-        end_legend(axes, scene)
+        write_legend(axes, [*end_handles(scene), *_link_handles(found)])
     axes.set_title(scene.name, loc="left", fontsize=10.5, fontweight="bold", color=INK, pad=7, parse_math=False)
     update, artists = _cast(axes, plan, film)
+    if found is not None:
+        update, artists = _with_links(axes, plan, film, found, update, artists)
     canvas: Any = axes.figure.canvas  # the stubs leave its methods without types
     canvas.draw()
     background = canvas.copy_from_bbox(axes.figure.bbox)
@@ -216,6 +229,32 @@ def _cast(axes: Axes, plan: Plan, film: _Film) -> tuple[Callable[[int], None], l
     for artist in moving:
         artist.set_animated(True)
     return update, moving
+
+
+def _with_links(
+    axes: Axes,
+    plan: Plan,
+    film: _Film,
+    found: Contacts,
+    update: Callable[[int], None],
+    artists: list[Artist],
+) -> tuple[Callable[[int], None], list[Artist]]:
+    """Put the links of the team under what moves, and a hand over the course of λ2 below the map."""
+    from taut.figures.contact import cast_contact
+
+    link, under, over = cast_contact(axes, plan, found)
+
+    def update_all(k: int) -> None:
+        update(k)
+        link(min(float(film.times[k]), plan.makespan), film.places[:, k])
+
+    return update_all, [*under, *artists, *over]
+
+
+def _link_handles(found: Contacts | None) -> list[Line2D]:
+    if found is None:
+        return []
+    return [line_handle("link", style.LINK), line_handle("bridge: its loss splits the team", style.BRIDGE)]
 
 
 def _names(axes: Axes, plan: Plan, radii: FloatArray) -> list[tuple[Text, bool, float]]:

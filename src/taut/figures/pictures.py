@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -27,7 +27,7 @@ from taut.figures.plans import (
     samples,
     within_reach,
 )
-from taut.figures.style import GOAL, GRAPH, INK, QUIET, START, robot_colours
+from taut.figures.style import GOAL, GRAPH, INK, QUIET, START, Colour, robot_colours
 from taut.figures.teams import (
     FEW_ROBOTS,
     draw_couples,
@@ -40,7 +40,11 @@ from taut.figures.teams import (
 from taut.motion import Plan
 from taut.scene import FloatArray, Scene
 
+if TYPE_CHECKING:  # only pictures of contact load the compiled code that finds it
+    from taut.contact import Contact, Contacts
+
 STRAYING = 20.0  # maps: up to this far off the map, faulty plans are shown whole
+MANY_LINKED = 150  # of more robots contact is not shown: λ2 over time would take minutes
 SOME_ROBOTS = 60  # up to this many are joined to their goals in the picture of a scene
 
 
@@ -51,8 +55,13 @@ def draw(
     graph: Any = None,
     time: float | None = None,
     routes: Mapping[str, Any] | None = None,
+    contact: Contact | float | None = None,
 ) -> Axes:
     """Draw a scene, plan, roadmap, free space or route in metres.
+
+    A plan that claims contact, or is drawn with `contact`, is shown at the instant at which the team's λ2 is least: the
+    links between its robots, the bridges and cut vertices of that graph in red, and, on a figure of its own, how λ2
+    runs; of up to 150 robots.
 
     Parameters
     ----------
@@ -62,6 +71,7 @@ def draw(
     graph : anything with `positions` and `edges`, drawn thin and grey under robots and paths.
     time : seconds; shows the robots of a plan as solid discs where they are then.
     routes : of robots of a scene, by name; those of CA and OCA are shown with all that they were made of.
+    contact : links of a plan to show: a range in metres or a `Contact`; by default those that the plan claims.
 
     Returns
     -------
@@ -70,8 +80,8 @@ def draw(
     Raises
     ------
     TypeError
-        A value of another kind, `time` with anything but a plan, `routes` with anything but a scene, `graph` with a
-        stage or with routes.
+        A value of another kind, `time` or `contact` with anything but a plan, `routes` with anything but a scene,
+        `graph` with a stage or with routes.
     ValueError
         A route of a robot that the scene does not have.
     OutputError
@@ -82,15 +92,19 @@ def draw(
         value = getattr(value, "plan", value)
     if time is not None and not isinstance(value, Plan):
         raise TypeError(f"time= needs a Plan, got {type(value).__name__}")
+    if contact is not None and not isinstance(value, Plan):
+        raise TypeError(f"contact= needs a Plan, got {type(value).__name__}")
     if routes is not None and not (isinstance(value, Scene) and graph is None):
         raise TypeError(f"routes= needs a Scene and no graph=, got {type(value).__name__}")
     if graph is not None and stage:
         raise TypeError(f"graph= does not go with a {type(value).__name__}, which shows its own graph")
     view = _view(value)
+    own = ax is None
     if ax is None:
         ax = sheet(view)
     else:
         show(ax, view)
+    found = shown_contacts(value, contact) if isinstance(value, Plan) else None
     if stage:
         from taut.figures.stages import draw_stage
 
@@ -103,6 +117,13 @@ def draw(
         from taut.figures.central import draw_route
 
         draw_route(ax, value)
+    elif found is not None:
+        from taut.figures.contact import draw_linked
+        from taut.figures.courses import add_course
+
+        draw_linked(ax, within_reach(value, view), found, graph, time)
+        if own:
+            add_course(ax, found, value.makespan, time)
     elif isinstance(value, Plan):
         _draw_plan(ax, within_reach(value, view), graph, time)
     elif isinstance(value, Scene):
@@ -110,6 +131,15 @@ def draw(
     else:
         _draw_part(ax, value, graph)
     return ax
+
+
+def shown_contacts(plan: Plan, contact: Contact | float | None) -> Contacts | None:
+    """Return the contacts that a picture shows, as given or else as the plan claims; None for one robot, or many."""
+    if not 2 <= len(plan.trajectories) <= MANY_LINKED or (contact is None and not plan.claims.get("contact")):
+        return None
+    from taut.figures.contact import contacts_shown
+
+    return contacts_shown(plan, contact)
 
 
 def _is_stage(value: Any) -> bool:
@@ -283,9 +313,9 @@ def end_handles(scene: Scene) -> list[Line2D]:
     return [handle("start", "o", START, "white"), handle("goal", "D", GOAL, "white")]
 
 
-def end_legend(axes: Axes, scene: Scene) -> None:
-    """Put the legend for starts and goals under the axes."""
-    write_legend(axes, end_handles(scene))
+def line_handle(label: str, colour: Colour) -> Line2D:
+    """Return a piece of line for the legend."""
+    return Line2D([], [], color=colour, linewidth=2.2, label=label)
 
 
 def _graph_handles(graph: Any) -> list[Line2D]:

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -16,6 +16,9 @@ from matplotlib.axes import Axes
 from taut.errors import OutputError
 from taut.figures.pictures import draw
 from taut.writing import replacing
+
+if TYPE_CHECKING:
+    from taut.contact import Contact
 
 #: What each picture format must not contain, so that the same picture is the same file.
 NO_STAMPS: dict[str, dict[str, None]] = {
@@ -26,7 +29,12 @@ NO_STAMPS: dict[str, dict[str, None]] = {
 
 
 def save_figure(
-    value: Any, path: str | os.PathLike[str], *, graph: Any = None, routes: Mapping[str, Any] | None = None
+    value: Any,
+    path: str | os.PathLike[str],
+    *,
+    graph: Any = None,
+    routes: Mapping[str, Any] | None = None,
+    contact: Contact | float | None = None,
 ) -> None:
     """Draw a value (see `draw`) into a .png (200 dpi), .svg or .pdf file.
 
@@ -40,7 +48,7 @@ def save_figure(
     target = Path(path)
     kind = check_kind(target, tuple(NO_STAMPS), "pictures are written as")
     with replacing(target) as scratch:
-        scratch.write_bytes(_bytes(draw(value, graph=graph, routes=routes), kind, 200))
+        scratch.write_bytes(_bytes(draw(value, graph=graph, routes=routes, contact=contact), kind, 200))
 
 
 def png_bytes(value: Any) -> bytes:

@@ -22,6 +22,9 @@ GROWN: Colour = "#dfe9f6"
 GRAPH: Colour = "#a3abb5"
 START: Colour = "#d7263d"
 GOAL: Colour = "#17913f"
+LINK: Colour = "#64748b"  # slate: no robot has it
+BRIDGE: Colour = "#d7263d"
+APART: Colour = "#f4c2c8"
 
 #: One hue a robot, told apart also by people with protanopia, deuteranopia or tritanopia.
 HUES: tuple[Colour, ...] = (

@@ -176,6 +176,8 @@ def _model(data: Any, place: Place, title: str) -> type[BaseModel]:
     if steps[0] == "obstacles" and len(steps) > 2:
         entry = (data["scene"] if inner else data)["obstacles"][steps[1]]
         return next(model for shape, model in _ENTRIES.items() if shape in entry)
+    if steps[:2] == ("claims", "contact") and len(steps) > 2:
+        return schema.ContactEntry
     if steps[0] == "robots" and len(steps) > 2:
         return schema.TrajectoryEntry if is_plan else schema.RobotEntry
     return schema.PlanFile if is_plan else schema.SceneFile

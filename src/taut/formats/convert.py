@@ -264,7 +264,7 @@ def _plan(entry: schema.PlanFile, document: Document) -> Plan:
             scene,
             tuple(trajectories),
             planner=entry.planner or {},
-            claims=entry.claims or {},
+            claims=document.data.get("claims") or {},  # as they are written: defaults are not filled in
             lower_bound=lower_bound,
             certificate=entry.certificate,
         )

@@ -16,12 +16,26 @@ def _version(value: object) -> object:
     return value
 
 
+def _count(value: object) -> object:
+    if type(value) is not int or value < 1:
+        raise PydanticCustomError("count", "must be a whole number of at least 1")
+    return value
+
+
+def _flag(value: object) -> object:
+    if type(value) is not bool:
+        raise PydanticCustomError("flag", "must be true or false")
+    return value
+
+
 Version = Annotated[Literal[1], BeforeValidator(_version)]
 Text = Annotated[str, Field(strict=True)]
 Name = Annotated[str, Field(strict=True, min_length=1)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Count = Annotated[int, BeforeValidator(_count)]
+Flag = Annotated[bool, BeforeValidator(_flag)]
 Point = Annotated[list[Number], Field(fail_fast=True, min_length=2, max_length=2, description="[x, y], metres")]
 Stamp = Annotated[
     list[Number], Field(fail_fast=True, min_length=3, max_length=3, description="[t, x, y], seconds and metres")
@@ -143,6 +157,23 @@ class TrajectoryEntry(_Strict):
     stamps: Annotated[list[Stamp], Field(min_length=1, fail_fast=True)]
 
 
+class ContactEntry(_Strict):
+    """The claim that the team's communication graph is connected at every instant, or more."""
+
+    range: Annotated[Positive, Field(description="metres within which two robots are in contact")]
+    sight: Annotated[Flag, Field(description="whether obstacles break contact")] = False
+    k: Annotated[Count, Field(description="it stays connected when any k − 1 robots fail")] = 1
+    lambda2: Annotated[NotNegative, Field(description="least Fiedler value, links weighing 1")] = 0.0
+
+
+class ClaimsEntry(BaseModel):
+    """What the certificate has to prove beyond the scene; claims that are not known here are for it to refuse."""
+
+    model_config = ConfigDict(extra="allow")
+
+    contact: ContactEntry | None = None
+
+
 class PlanFile(_Strict):
     """A timed motion for every robot of a scene."""
 
@@ -150,7 +181,7 @@ class PlanFile(_Strict):
     kind: Literal["plan"]
     scene: SceneFile
     planner: dict[str, Any] | None = None
-    claims: dict[str, Any] | None = None
+    claims: ClaimsEntry | None = None
     robots: Annotated[list[TrajectoryEntry], Field(fail_fast=True)]
     metrics: dict[str, Any] | None = None
     certificate: dict[str, Any] | None = None
