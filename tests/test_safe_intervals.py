@@ -39,7 +39,7 @@ def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, flo
     lo, hi = (
         np.array(column, dtype=np.float64) for column in (zip(*intervals, strict=True) if intervals else ([], []))
     )
-    count = _table_kernels._merge(lo, hi, len(intervals))
+    count = _table_kernels.merge(lo, hi, len(intervals))
     merged = list(zip(lo[:count].tolist(), hi[:count].tolist(), strict=True))
     assert merged == sorted(merged)
     assert all(a[1] <= b[0] for a, b in pairwise(merged))
@@ -113,7 +113,7 @@ def plain_union(
     widened = [(lo - headway, hi + headway) for found, lo, hi in lists if found]
     kept = [(lo, hi) for lo, hi in widened if hi > earliest and lo < latest]
     lo, hi = np.array([p[0] for p in kept]), np.array([p[1] for p in kept])
-    count = _table_kernels._merge(lo, hi, len(kept))
+    count = _table_kernels.merge(lo, hi, len(kept))
     return lo[:count], hi[:count]
 
 

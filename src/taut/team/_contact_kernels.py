@@ -121,7 +121,7 @@ def next_chance(
     _sort(partners)
     back_to = -inf
     for k in range(partners.tally[1]):
-        if till[k] < middle and till[k] > back_to and _enough(partners, till[k]):
+        if back_to < till[k] <= middle and _enough(partners, till[k]):
             back_to = till[k]
     return max(chance, instant - max(back_to, 0.0))
 

@@ -60,7 +60,7 @@ def _repair(world: World, ties: Ties, asked: Asked) -> Found:
     rounds = REPAIRS if asked.rounds is None and math.isinf(asked.until) else asked.rounds
     better, repaired = repaired_together(world, together, asked.seed, rounds, asked.until, asked.objective, tell)
     record = {**first.record, "passes": together.passes, "rounds": repaired.rounds}
-    return Found(joined(world, better.stretches), record, tuple(history))
+    return replace(first, plan=joined(world, better.stretches), record=record, history=tuple(history))
 
 
 IN_CONTACT: Mapping[str, Callable[[World, Ties, Asked], Found]] = MappingProxyType(
@@ -101,5 +101,10 @@ def _found(world: World, together: Together, asked: Asked) -> Found:
     slowed: dict[str, float] = {}
     for stretch in together.stretches:
         slowed |= {names[i]: share for i, share in stretch.slowed.items()}
-    record: dict[str, object] = {"rounds": together.passes, "gathered": len(together.stretches) - 1, "slowed": slowed}
-    return Found(whole, record, ((time.monotonic(), cost),))
+    gathered = len(together.stretches) - 1
+    record: dict[str, object] = {"rounds": together.passes, "gathered": gathered, "slowed": slowed}
+    notes = [f"{name} goes at {share:.0%} of its speed for others to stay in contact" for name, share in slowed.items()]
+    if gathered:
+        times = "once" if gathered == 1 else f"{gathered} times"
+        notes.insert(0, f"the team gathers {times} on the way, where robots change places")
+    return Found(whole, record, ((time.monotonic(), cost),), notes=tuple(notes))

@@ -16,12 +16,22 @@ import numpy as np
 
 from taut.errors import NoPath
 from taut.motion import Trajectory
+from taut.team import _neighbourhood_kernels
 from taut.team._conflict_kernels import Floats
 from taut.team.gathering import arrangements, between
 from taut.team.partners import partners_of
 from taut.team.prioritized import Round
 from taut.team.reservations import clear
-from taut.team.safe_intervals import Bench, Failure, bench_of, empty_desk, hold_start, plan_robot, take
+from taut.team.safe_intervals import (
+    Bench,
+    Failure,
+    bench_of,
+    empty_desk,
+    hold_start,
+    plan_robot,
+    take,
+    with_stamps,
+)
 from taut.team.team_arrays import team_of
 from taut.team.ties import Ties, linked_order, tied
 from taut.team.world import World
@@ -29,6 +39,7 @@ from taut.team.world import World
 MOST_ROUNDS = 48
 _EXPANSIONS = 40000
 _SLOWER, _SLOWEST = 0.7, 0.2
+_SAME, _HOLDS = 6, 5  # passes with one hold of starts, and how often that is doubled before it begins anew
 _SEQUENCES = 4  # of arrangements on the way that are tried
 
 
@@ -41,6 +52,7 @@ class Stretch:
     world, ties : the team with these starts and goals.
     passed : the pass that was best.
     lost : the robot that the one that failed could not stay in contact with; None if none failed.
+    barring : robots that rest for ever on the quickest way of the one that failed.
     slowed : robots planned slower than they can move, and to what share of their speed.
     """
 
@@ -48,6 +60,7 @@ class Stretch:
     ties: Ties
     passed: Round
     lost: int | None
+    barring: tuple[int, ...]
     slowed: Mapping[int, float]
 
     @property
@@ -57,10 +70,11 @@ class Stretch:
 
     @property
     def ahead(self) -> list[int]:
-        """Robots planned before the one that failed that it lost or that were in its way."""
+        """Robots planned before the one that failed that bar its way, or else that it lost or that passed there."""
         failure = self.passed.failures[0]
         before = self.passed.order[: self.passed.order.index(failure.robot)]
-        return [j for j in before if j == self.lost or j in failure.blockers]
+        barring = [j for j in before if j in self.barring]
+        return barring or [j for j in before if j == self.lost or j in failure.blockers]
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +265,7 @@ def passes_in_contact(
         linked = linked_order(ties, tries.preference)
         if len(linked) < len(tries.preference):
             return without_order(world, ties, linked, number)
-        hold = math.inf if number % 8 == 7 else world.moment * 2.0 ** (number % 8)
+        hold = world.moment * 2.0 ** (number // _SAME % _HOLDS)
         done = pass_in_contact(world, ties, bench, linked, hold, dict(tries.pace))
         number += 1
         if tell is not None:
@@ -276,7 +290,9 @@ def pass_in_contact(
     failure = follow(world, ties, bench, order, motions, pace)
     failures = () if failure is None else (failure,)
     passed = Round(tuple(order), hold, tuple(motions.get(i) for i in range(len(order))), failures)
-    return Stretch(world, ties, passed, None if failure is None else _lost(failure, motions), pace)
+    if failure is None:
+        return Stretch(world, ties, passed, None, (), pace)
+    return Stretch(world, ties, passed, _lost(failure, motions), _barring(bench, failure.robot, motions), pace)
 
 
 def without_order(world: World, ties: Ties, order: Sequence[int], passes: int) -> Together:
@@ -284,13 +300,22 @@ def without_order(world: World, ties: Ties, order: Sequence[int], passes: int) -
     count = len(world.scene.robots)
     nothing = Round(tuple(order), 0.0, (None,) * count, ())
     missing = tuple(i for i in range(count) if i not in set(order))
-    return Together((Stretch(world, ties, nothing, None, {}),), passes, missing)
+    return Together((Stretch(world, ties, nothing, None, (), {}),), passes, missing)
 
 
 def _lost(failure: Failure, motions: Mapping[int, Trajectory]) -> int | None:
     """The robot that was nearest when the search got no further."""
     away = {j: math.dist(motion.at(failure.time), failure.place) for j, motion in motions.items()}
     return min(away, key=lambda j: away[j], default=None)
+
+
+def _barring(bench: Bench, i: int, motions: Mapping[int, Trajectory]) -> tuple[int, ...]:
+    if len(bench.desk.stamp) < len(bench.table.robot):
+        bench.desk = with_stamps(bench.desk, bench.table)
+    met = np.empty(len(bench.scene.robots), dtype=np.int64)
+    since = bench.scene.robots[i].start_time
+    count = _neighbourhood_kernels.met_on_way(bench.team, i, bench.table, bench.desk, since, math.inf, met)
+    return tuple(j for j in met[:count].tolist() if j in motions)
 
 
 def _learn(bench: Bench, done: Stretch, tries: _Tries, rng: np.random.Generator) -> None:

@@ -83,6 +83,7 @@ class Found:
     history : (time of the monotonic clock, cost in seconds) of the first plan and of each better one.
     bound : seconds that no plan on this roadmap can beat; None if it is known of the shortest routes only.
     stages : what was done before the team was planned.
+    notes : what is remarkable about the plan, in sentences.
     """
 
     plan: Round
@@ -90,6 +91,7 @@ class Found:
     history: tuple[tuple[float, float], ...]
     bound: float | None = None
     stages: tuple[Stage, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def first_order(scene: Scene, shortest: np.ndarray, order: Order) -> list[int]:

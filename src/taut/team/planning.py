@@ -157,7 +157,7 @@ def plan(
     return Result(
         final,
         certificate,
-        (*notes, *world.notes),
+        (*notes, *world.notes, *found.notes),
         world.shortest,
         tuple(map(why_later, met)),
         (*found.stages, sequence),

@@ -107,7 +107,7 @@ def _tried(stretch: Stretch, bench: Bench, rng: np.random.Generator, objective: 
     new = costs_of(world, found)
     if (total_cost(world, new, objective), float(new.sum())) >= before:
         return stretch
-    return Stretch(world, ties, Round(tuple(order), passed.hold, tuple(found), ()), None, stretch.slowed)
+    return Stretch(world, ties, Round(tuple(order), passed.hold, tuple(found), ()), None, (), stretch.slowed)
 
 
 def _sooner(order: Sequence[int], delays: np.ndarray, rng: np.random.Generator) -> list[int]:
