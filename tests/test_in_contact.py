@@ -70,7 +70,7 @@ def walls_of(rng: np.random.Generator, count: int) -> Floats:
     blocks = []
     for _ in range(count):
         x, y = rng.uniform(1, SIDE - 2, 2).tolist()
-        blocks.append(Rectangle(x, y, *rng.uniform(0.3, 1.5, 2).tolist(), angle=float(rng.uniform(0, 3))))
+        blocks.append(Rectangle(x, y, *rng.uniform(0.3, (1.5, 1.5, 3)).tolist()))
     return sight_sides(Scene((0, 0, SIDE, SIDE), blocks), 0.0) if count else NOWHERE
 
 
@@ -83,12 +83,12 @@ def test_times_without_contact_are_those_of_samples(case: tuple[int, int, int, f
     seed, count, need, reach, blocks = case
     rng = np.random.default_rng(seed)
     motions, walls = wanderers(rng, count, 6), walls_of(rng, blocks)
-    place = rng.uniform(0, SIDE, 2)
+    x, y = rng.uniform(0, SIDE, 2).tolist()
     lo, hi = np.empty(200), np.empty(200)
-    found = lonely_times(company(motions, reach, need, walls), *place, 0.0, math.inf, lo, hi, 0)
+    found = lonely_times(company(motions, reach, need, walls), x, y, 0.0, math.inf, lo, hi, 0)
     times = np.sort(rng.uniform(0, 20, 600))
     alone = ((times[:, None] > lo[:found]) & (times[:, None] < hi[:found])).any(axis=1)
-    near = partners_at(motions, times, np.tile(place, (len(times), 1)), reach, walls)
+    near = partners_at(motions, times, np.tile((x, y), (len(times), 1)), reach, walls)
     sure = np.ones(len(times), dtype=bool)
     if found:
         ends = np.concatenate([lo[:found], hi[:found]])
@@ -205,9 +205,8 @@ def swarm(count: int, seed: int, noise: float = 0.5, blocks: int = 8, box: float
     obstacles = []
     for k in range(blocks):
         x, y = rng.uniform((8, 2), (box - 10, 14)).tolist()
-        obstacles.append(
-            Rectangle(x, y, *rng.uniform(0.5, 2, 2).tolist(), angle=float(rng.uniform(0, 3)), name=f"B{k}")
-        )
+        width, height, angle = rng.uniform(0.5, (2, 2, 3)).tolist()
+        obstacles.append(Rectangle(x, y, width, height, angle, f"B{k}"))
     return Scene((0, 0, box, 18), obstacles, robots)
 
 

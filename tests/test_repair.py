@@ -297,7 +297,7 @@ def test_a_full_table_takes_nothing_and_stays_as_it_is() -> None:
 def arrival_within(bench: Bench, i: int, limit: float) -> float:
     """Earliest arrival no later than the limit, inf if there is none."""
     team, table, desk = bench.team, bench.table, bench.desk
-    count = _search_kernels.soonest_arrival(team, i, table, desk, limit, 1 << 20, _search_kernels.EXACT)
+    count = _search_kernels.soonest_arrival(team, i, table, None, desk, limit, 1 << 20, _search_kernels.EXACT)
     return float(desk.stamps[count - 1, 0]) if count > 0 else math.inf
 
 

@@ -14,9 +14,11 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from taut import contact as contact
     from taut import control as control
     from taut import graph as graph
     from taut.certificate import Certificate, certify
+    from taut.contact import Contact, Contacts, contacts, fading_fiedler, needed_reach
     from taut.editing import with_obstacle, without_obstacle
     from taut.errors import (
         GoalBlocked,
@@ -31,8 +33,10 @@ if TYPE_CHECKING:
     )
     from taut.figures import animate, draw, save_figure, save_stages
     from taut.formats import free_cells, load_map, load_plan, load_roadmap, load_scen, load_scene, save, save_roadmap
+    from taut.formation import Formed, in_formation, travel
     from taut.freespace import FreeSpace
     from taut.generate import random_scene, random_warehouse
+    from taut.generate.contact import random_team_in_contact
     from taut.motion import Plan, Trajectory
     from taut.roadmap import (
         Lanes,
@@ -74,6 +78,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Certificate",
     "Circle",
+    "Contact",
+    "Contacts",
+    "Formed",
     "FreeSpace",
     "GoalBlocked",
     "Lanes",
@@ -103,15 +110,19 @@ __all__ = [
     "cells_roadmap",
     "central_path",
     "certify",
+    "contact",
+    "contacts",
     "control",
     "distances",
     "distances_from",
     "draw",
+    "fading_fiedler",
     "free_cells",
     "graph",
     "grid_lanes",
     "grid_roadmap",
     "hits_of",
+    "in_formation",
     "index_obstacles",
     "lazy_route",
     "load_map",
@@ -119,6 +130,7 @@ __all__ = [
     "load_roadmap",
     "load_scen",
     "load_scene",
+    "needed_reach",
     "oca_path",
     "oca_path_or_widest",
     "paths",
@@ -126,6 +138,7 @@ __all__ = [
     "potential_path",
     "prepare",
     "random_scene",
+    "random_team_in_contact",
     "random_warehouse",
     "replan",
     "routes_along",
@@ -136,6 +149,7 @@ __all__ = [
     "save_stages",
     "shortest_path",
     "smoothed",
+    "travel",
     "validate",
     "visibility_graph",
     "voronoi_roadmap",
@@ -149,6 +163,7 @@ if not TYPE_CHECKING:
     # Hidden from type checkers: with a module-level __getattr__ they would accept every misspelt name.
     _HOMES = {
         "taut.certificate": ("Certificate", "certify"),
+        "taut.contact": ("Contact", "Contacts", "contacts", "fading_fiedler", "needed_reach"),
         "taut.editing": ("with_obstacle", "without_obstacle"),
         "taut.errors": (
             "GoalBlocked",
@@ -172,8 +187,10 @@ if not TYPE_CHECKING:
             "save",
             "save_roadmap",
         ),
+        "taut.formation": ("Formed", "in_formation", "travel"),
         "taut.freespace": ("FreeSpace",),
         "taut.generate": ("random_scene", "random_warehouse"),
+        "taut.generate.contact": ("random_team_in_contact",),
         "taut.motion": ("Plan", "Trajectory"),
         "taut.roadmap": (
             "Lanes",
@@ -219,7 +236,7 @@ if not TYPE_CHECKING:
             from importlib.metadata import version
 
             value: object = version("taut")
-        elif name in ("control", "graph"):
+        elif name in ("contact", "control", "graph"):
             value = importlib.import_module(f"taut.{name}")
         elif name in _HOME_OF:
             value = getattr(importlib.import_module(_HOME_OF[name]), name)
