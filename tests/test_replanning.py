@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from strategies import team_scenes
 from taut import (
     Circle,
+    Contact,
     NoPath,
     NoPlanExists,
     NoPlanFound,
@@ -169,3 +170,30 @@ def test_bad_parameters_are_refused() -> None:
     for call in (lambda: replan(result, scene), lambda: with_obstacle(result, Circle((1, 1), 0.1))):
         with pytest.raises(TypeError, match=r"not (to )?a Result"):
             call()
+
+
+def test_a_team_in_contact_stays_in_contact() -> None:
+    robots = [Robot(f"R{k}", (1, 2 + k), (17, 2 + k), 0.2) for k in range(4)]
+    hall = Scene((0, 0, 18, 8), robots=robots)
+    before = plan(hall, contact=1.5).plan
+    same = replan(before, hall)
+    assert same.kept == ("R0", "R1", "R2", "R3")
+    assert same.plan.claims == before.claims
+    after = replan(before, replace(hall, obstacles=(Rectangle(8, 0, 1, 3.5, name="crate"),)))
+    assert after.certificate.ok
+    assert after.plan.claims == before.claims
+    assert after.kept == ()
+    assert "stays in contact" in after.changed["R3"]
+    with pytest.raises(SceneError, match="not connected within"):
+        replan(before, replace(hall, robots=(*robots, Robot("R4", (1, 7.5), (17, 7.5)))))
+
+
+def test_a_wall_that_hides_robots_has_them_planned_anew() -> None:
+    robots = [Robot("R1", (1, 1), (12, 1), 0.2), Robot("R2", (1, 3), (12, 3), 0.2)]
+    hall = Scene((0, 0, 13, 6), robots=robots)
+    before = plan(hall, contact=Contact(3.0, sight=True)).plan
+    assert replan(before, hall).changed == {}
+    wall = Rectangle(4, 1.9, 4, 0.2, name="shelf")
+    after = replan(before, replace(hall, obstacles=(wall,)))
+    assert set(after.changed) == {"R1", "R2"}
+    assert after.certificate.ok

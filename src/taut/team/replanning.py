@@ -9,15 +9,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from taut.certificate import Certificate, certify
+from taut.contact import Contact, contact_of
 from taut.errors import SceneError
 from taut.motion import Plan, Trajectory
 from taut.roadmap import Lanes
 from taut.route import WAYS
 from taut.scene import Robot, Scene
-from taut.team.explaining import no_plan
+from taut.team.explaining import no_plan, no_plan_in_contact
+from taut.team.in_contact import Together, joined, passes_in_contact, planned_together
 from taut.team.methods import first_order
 from taut.team.planning import certified, deadline
 from taut.team.prioritized import MOST_ROUNDS, Round, plan_rounds
+from taut.team.ties import Ties, ties_of
 from taut.team.world import World
 from taut.validation import validate
 
@@ -57,7 +60,8 @@ def replan(
 
     Robots that are new or not what they were, and those of whom `certify` proves that their motions do not hold any
     more, are planned after the others, shortest way first. Where that fails, the robots in their way are planned anew
-    with them, in the end all. A robot that would have a shorter way now keeps its motion, too.
+    with them, in the end all. A robot that would have a shorter way now keeps its motion, too. A team that stays in
+    contact goes on to do so: if one robot has to be planned anew then all are, since each relies on others.
 
     Parameters
     ----------
@@ -85,13 +89,20 @@ def replan(
     notes = validate(scene)
     if not scene.robots:
         raise SceneError("no robots: nothing to plan; add at least one robot with name, start and goal")
+    demand = _demand(plan)
     known, reasons = _known(plan, scene)
     reasons |= _broken(scene, known)
+    if demand is not None:
+        reasons |= _relying(scene, known, reasons, demand)
+    ties = None if demand is None or not reasons else ties_of(scene, demand)
     world = World(scene, way, seed)
     most = MOST_ROUNDS if rounds is None else rounds
-    best, done = _planned(world, known, reasons, seed, most, until)
-    if best.failures:
-        raise no_plan(world, best, done)
+    if ties is None:
+        best, done = _planned(world, known, reasons, seed, most, until)
+        if best.failures:
+            raise no_plan(world, best, done)
+    else:
+        best, done = _planned_in_contact(world, ties, seed, most, until)
     names = [robot.name for robot in scene.robots]
     kept = tuple(name for name in names if name not in reasons)
     planner = {
@@ -103,7 +114,8 @@ def replan(
         "rounds": done,
         "seconds": round(time.monotonic() - began, 3),
     }
-    final, certificate = certified(world, best, planner)
+    claims = {} if demand is None else {"contact": demand.claim}
+    final, certificate = certified(world, best, planner, claims=claims)
     return Replanned(final, certificate, kept, {name: reasons[name] for name in names if name in reasons}, notes)
 
 
@@ -133,6 +145,46 @@ def _known(plan: Plan, scene: Scene) -> tuple[dict[str, Trajectory], dict[str, s
         else:
             known[robot.name] = before[robot.name][1]
     return known, reasons
+
+
+def _demand(plan: Plan) -> Contact | None:
+    claim = plan.claims.get("contact")
+    if claim is None:
+        return None
+    if not isinstance(claim, Mapping):
+        raise SceneError(f"contact: the plan's claim must be a mapping, got {claim!r}")
+    return contact_of(claim)
+
+
+def _relying(
+    scene: Scene, known: Mapping[str, Trajectory], reasons: Mapping[str, str], demand: Contact
+) -> dict[str, str]:
+    """Why robots that could go on by themselves are planned anew in a team that stays in contact."""
+    if not reasons:
+        motions = tuple(known[robot.name] for robot in scene.robots)
+        problems = [p for p in certify(Plan(scene, motions), contact=demand).problems if p.kind == "contact"]
+        if not problems:
+            return {}
+        reasons = {}
+        because = str(problems[0])
+    else:
+        because = f"{next(iter(reasons))} is planned anew"
+    return {
+        robot.name: f"{robot.name} stays in contact: {because}" for robot in scene.robots if robot.name not in reasons
+    }
+
+
+def _planned_in_contact(world: World, ties: Ties, seed: int, most: int, until: float) -> tuple[Round, int]:
+    order = first_order(world.scene, world.shortest, "shortest")
+    rng = np.random.default_rng(seed)
+
+    def passes(part: World, here: Ties) -> Together:
+        return passes_in_contact(part, here, order, rng, most, until)
+
+    together = planned_together(world, ties, passes, until)
+    if not together.found:
+        raise no_plan_in_contact(world, together)
+    return joined(world, together.stretches), together.passes
 
 
 def _differing(was: Robot, robot: Robot) -> str:
