@@ -21,8 +21,29 @@ def main() -> None:
     taut.save_figure(result.plan, FIGURES / "thesis-2.png")
     taut.save_figure(result.plan, FIGURES / "thesis-2-graph.png", graph=graph)
     taut.animate(result.plan, FIGURES / "thesis-2.gif")
+    draw_contact()
     for path in sorted(FIGURES.iterdir()):
         print(path)
+
+
+def draw_contact() -> None:
+    """Plan the teams of the page on contact, and draw them."""
+    mine = taut.plan(taut.load_scene("mine-rescue-8"), contact=taut.Contact(14, sight=True)).plan
+    taut.save_figure(mine, FIGURES / "contact-mine.png")
+    taut.animate(mine, FIGURES / "contact-mine.gif", fps=12, seconds=10, width=640)
+    search = taut.plan(taut.load_scene("search-20"), contact=taut.Contact(4, k=2)).plan
+    taut.animate(search, FIGURES / "contact-search.gif", fps=10, seconds=8, width=560)
+    names = ("leader", "left", "right", "wing-left", "wing-right")
+    hall = taut.Scene(
+        (0, 0, 24, 10),
+        [taut.Rectangle(11.5, 0, 1, 4.4), taut.Rectangle(11.5, 5.6, 1, 4.4)],
+        [taut.Robot(name, (5, 5), (20, 5), radius=0.3) for name in names],
+        gap=0.1,
+        name="wedge",
+    )
+    offsets = {"left": (-1, 1), "right": (-1, -1), "wing-left": (-2, 2), "wing-right": (-2, -2)}
+    wedge = taut.travel(taut.in_formation(hall, offsets), contact=3).plan
+    taut.animate(wedge, FIGURES / "contact-formation.gif", fps=12, seconds=8, width=560)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,17 @@ from taut.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
-WITH_COMMANDS = {"README.md", "start.md", "files.md", "graphs.md", "mrppa.md", "roadmaps.md", "chapter5.md", "teams.md"}
+WITH_COMMANDS = {
+    "README.md",
+    "start.md",
+    "files.md",
+    "graphs.md",
+    "mrppa.md",
+    "roadmaps.md",
+    "chapter5.md",
+    "teams.md",
+    "contact.md",
+}
 WITH_PYTHON = WITH_COMMANDS | {"meanings.md", "thesis.md", "paths.md"}
 
 

@@ -13,8 +13,11 @@ import pytest
 import shapely
 
 from sound import core, distance, faults, hemmed_in
+from taut.certificate import certify
+from taut.contact import Contact
 from taut.formats import load_scene
 from taut.scene import Circle, Line, Point, Polygon, Rectangle, Scene
+from taut.team import plan
 from taut.validation import validate
 
 NAMES = (
@@ -27,8 +30,10 @@ NAMES = (
     "warehouse-50",
     "office-20",
     "hospital-12",
+    "mine-rescue-8",
+    "search-20",
 )
-FLOORS = ("warehouse-50", "office-20", "hospital-12")
+FLOORS = ("warehouse-50", "office-20", "hospital-12", "mine-rescue-8", "search-20")
 
 
 def text(name: str) -> str:
@@ -79,7 +84,15 @@ def test_every_robot_has_a_way_past_the_starts_and_goals_of_all_others(name: str
 
 
 @pytest.mark.parametrize(
-    ("name", "robots"), [("crossing-30", 30), ("warehouse-50", 50), ("office-20", 20), ("hospital-12", 12)]
+    ("name", "robots"),
+    [
+        ("crossing-30", 30),
+        ("warehouse-50", 50),
+        ("office-20", 20),
+        ("hospital-12", 12),
+        ("mine-rescue-8", 8),
+        ("search-20", 20),
+    ],
 )
 def test_the_team_has_the_size_in_the_name(name: str, robots: int) -> None:
     assert len(load_scene(name).robots) == robots
@@ -202,6 +215,38 @@ def test_hospital_robots_differ_in_size_speed_and_clearance() -> None:
     assert len({robot.radius for robot in robots}) == 3
     assert len({robot.speed for robot in robots}) == 3
     assert {robot.clearance for robot in robots} == {None, 0.1}
+
+
+def test_the_mine_has_a_base_that_stays_and_a_chain_in_which_each_sees_the_next() -> None:
+    scene = load_scene("mine-rescue-8")
+    base = scene.robots[0]
+    assert (base.name, base.start) == ("base", base.goal)
+    mine = shapely.Polygon(scene.workspace).difference(shapely.union_all([core(o) for o in scene.obstacles]))
+    sights = [shapely.LineString([a.goal, b.goal]) for a, b in pairwise(scene.robots)]
+    assert all(sight.length <= 12.7 and mine.covers(sight) for sight in sights)
+    assert all(mine.covers(shapely.LineString([base.start, robot.start])) for robot in scene.robots[1:])
+
+
+def test_in_search_20_a_line_of_robots_goes_from_wall_to_wall() -> None:
+    scene = load_scene("search-20")
+    for a, b in pairwise(scene.robots):
+        assert b.start == (a.start[0], a.start[1] + 1.5)
+        assert b.goal == (a.goal[0], a.goal[1] + 1.5)
+    assert all(robot.start[1] == robot.goal[1] for robot in scene.robots)
+
+
+@pytest.mark.parametrize(
+    ("name", "demand"), [("mine-rescue-8", Contact(14, sight=True)), ("search-20", Contact(4, k=2))]
+)
+def test_the_contact_that_a_scene_speaks_of_can_be_kept(name: str, demand: Contact) -> None:
+    result = plan(load_scene(name), contact=demand)
+    assert result.certificate.ok
+    assert result.plan.claims == {"contact": demand.claim}
+
+
+def test_the_rescuer_runs_ahead_unless_contact_is_asked_for() -> None:
+    found = certify(plan(load_scene("mine-rescue-8")).plan, contact=14)
+    assert [problem.robots for problem in found.problems] == [("rescuer",)]
 
 
 @pytest.mark.parametrize("name", FLOORS)
