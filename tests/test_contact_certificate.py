@@ -211,7 +211,7 @@ def test_a_part_that_is_lost_again_and_again_is_told_once() -> None:
     told = lost(certify(plan_of([*still, to_and_fro], 5.0), contact=2.0))
     assert [problem.robots for problem in told] == [("R2",), ()]
     assert told[0].amount == pytest.approx(1.0)
-    assert str(told[1]) == "contact is lost 10 more times, for shorter"
+    assert str(told[1]) == "contact is lost 19 more times"
 
 
 def test_a_team_that_is_never_together_is_told_from_the_start() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -309,6 +310,14 @@ def test_without_contact_nothing_is_claimed() -> None:
 PAIR = Scene((0, 0, 20, 10), robots=[Robot("R1", (1, 1), (9, 1), 0.3), Robot("R2", (3, 1), (11, 1), 0.3)], gap=0.1)
 
 
+BOW_TIE = Scene(
+    (0, 0, 20, 10),
+    robots=[
+        Robot(f"R{k}", (x, y), (x + 10, y), 0.1) for k, (x, y) in enumerate([(2, 2), (2, 3), (3, 2.5), (4, 2), (4, 3)])
+    ],
+)
+
+
 @pytest.mark.parametrize(
     ("scene", "contact", "words"),
     [
@@ -323,14 +332,21 @@ PAIR = Scene((0, 0, 20, 10), robots=[Robot("R1", (1, 1), (9, 1), 0.3), Robot("R2
         ),
         (replace(PAIR, robots=(PAIR.robots[0], replace(PAIR.robots[1], goal=(19, 9)))), 3.0, "the goals are not"),
         (PAIR, -1.0, "range must be positive"),
-        (PAIR, math.nan, "range must be a number"),
+        (PAIR, math.nan, "range must be a finite number"),
+        (PAIR, "5", "range must be a finite number, got '5'"),
+        (PAIR, 10**400, "range must be a finite number"),
+        (BOW_TIE, Contact(1.3, k=2), "the starts are not 2-connected within 1.3 m: a robot may fail"),
     ],
 )
-def test_impossible_demands_are_refused_at_once(scene: Scene, contact: Contact | float, words: str) -> None:
+def test_impossible_demands_are_refused_at_once(scene: Scene, contact: Any, words: str) -> None:
     with pytest.raises(SceneError, match="contact") as caught:
         plan(scene, contact=contact)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    assert plan(PAIR, contact=np.float32(3)).plan.claims["contact"] == Contact(3, k=np.int64(1)).claim  # type: ignore[arg-type]
 
 
 def test_optimal_has_no_contact() -> None:

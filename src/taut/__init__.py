@@ -32,8 +32,8 @@ if TYPE_CHECKING:
         TautError,
     )
     from taut.figures import animate, draw, save_figure, save_stages
-    from taut.formats import free_cells, load_map, load_plan, load_roadmap, load_scen, load_scene, save, save_roadmap
     from taut.formation import Formed, in_formation, travel
+    from taut.formats import free_cells, load_map, load_plan, load_roadmap, load_scen, load_scene, save, save_roadmap
     from taut.freespace import FreeSpace
     from taut.generate import random_scene, random_warehouse
     from taut.generate.contact import random_team_in_contact

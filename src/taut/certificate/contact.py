@@ -83,15 +83,16 @@ def check_contact(plan: Plan, demand: Contact, shapes: Shapes) -> tuple[ContactP
 
 
 def _losses(plan: Plan, found: Contacts, lost: FloatArray, shapes: Shapes) -> list[Problem]:
-    """One problem for each part that is lost for some time, the longest time of each."""
+    """One problem for each part that is lost, for its longest time, and how often contact is lost besides."""
     longest = lost[np.argsort(lost[:, 0] - lost[:, 1], kind="stable")]
     told: dict[tuple[str, ...], Problem] = {}
     for begin, end in longest[:_TOLD].tolist():
         problem = _loss(plan, found, begin, end, shapes)
         told.setdefault(problem.robots, problem)
     problems = sorted(told.values(), key=lambda problem: -1.0 if problem.time is None else problem.time)
-    if len(lost) > _TOLD:
-        problems.append(Problem("contact", detail=f"contact is lost {len(lost) - _TOLD} more times, for shorter"))
+    more = len(lost) - len(told)
+    if more:
+        problems.append(Problem("contact", detail=f"contact is lost {more} more time{'s' if more > 1 else ''}"))
     return problems
 
 
@@ -99,7 +100,7 @@ def _loss(plan: Plan, found: Contacts, begin: float, end: float, shapes: Shapes)
     """Who is cut off between two times, and the instant at which they are farthest from all others."""
     scene = plan.scene
     motions = motions_of(plan)
-    part, others, distance, time = _worst(motions, found, begin, end, scene.tol)
+    part, others, distance, time, parts = _worst(motions, found, begin, end, scene.tol)
     across = _across(part, others)
     i, j = across[np.argmin(distance_bounds(motions, across, time, time)[0])].tolist()
     near, far = place_at(motions, i, time), place_at(motions, j, time)
@@ -107,6 +108,8 @@ def _loss(plan: Plan, found: Contacts, begin: float, end: float, shapes: Shapes)
     lose = "loses" if len(robots) == 1 else "lose"
     nearest = f"nearest are {scene.robots[i].name} and {scene.robots[j].name}, {distance:.9g} m apart"
     said = f"{_few(robots)} {lose} contact with the others {_while(begin, end)}"
+    if parts > 2:
+        said += f", when the team is in {parts} parts"
     if distance > found.reach + scene.tol:
         beyond = distance - found.reach
         x, y = ((near + far) / 2).tolist()
@@ -118,11 +121,13 @@ def _loss(plan: Plan, found: Contacts, begin: float, end: float, shapes: Shapes)
     return Problem("contact", robots, 0.0, time, (x, y), obstacle, detail)
 
 
-def _worst(motions: Motions, found: Contacts, begin: float, end: float, tol: float) -> tuple[Ints, Ints, float, float]:
-    """The smallest part, the others, their least distance at the instant at which that is greatest, and the instant."""
+def _worst(
+    motions: Motions, found: Contacts, begin: float, end: float, tol: float
+) -> tuple[Ints, Ints, float, float, int]:
+    """The smallest part, the others, their least distance when that is greatest, the instant, and how many parts."""
     borders = np.append(found.times, max(found.until, found.times[-1]))
     pieces = np.arange(piece_at(found, begin), len(found.times) if end == np.inf else piece_at(found, end))
-    worst: tuple[Ints, Ints, float, float] | None = None
+    worst: tuple[Ints, Ints, float, float, int] | None = None
     for piece in _longest(found, pieces):
         labels = components_at(found, piece)
         sizes = np.bincount(labels[labels >= 0])
@@ -131,7 +136,7 @@ def _worst(motions: Motions, found: Contacts, begin: float, end: float, tol: flo
         floor = -1.0 if worst is None else worst[2]
         distance, time = _farthest(motions, _across(part, others), borders[piece], borders[piece + 1], floor, tol)
         if worst is None or distance > floor:
-            worst = part, others, distance, time
+            worst = part, others, distance, time, len(sizes)
     assert worst is not None  # a stretch has a piece
     return worst
 

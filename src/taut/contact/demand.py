@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Integral, Real
 
 from taut.errors import SceneError
 
@@ -39,19 +41,17 @@ class Contact:
     lambda2: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, value in (("range", self.reach), ("lambda2", self.lambda2)):
-            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-                raise SceneError(f"contact: {name} must be a number, got {value!r}")
+        for field, name in (("reach", "range"), ("lambda2", "lambda2")):
+            object.__setattr__(self, field, _number(name, getattr(self, field)))
         if not self.reach > 0:
             raise SceneError(f"contact: range must be positive, got {self.reach:g}")
         if not isinstance(self.sight, bool):
             raise SceneError(f"contact: sight must be true or false, got {self.sight!r}")
-        if isinstance(self.k, bool) or not isinstance(self.k, int) or self.k < 1:
+        if isinstance(self.k, bool) or not isinstance(self.k, Integral) or self.k < 1:
             raise SceneError(f"contact: k must be a whole number of at least 1, got {self.k!r}")
+        object.__setattr__(self, "k", int(self.k))
         if self.lambda2 < 0:
             raise SceneError(f"contact: lambda2 must be at least 0, got {self.lambda2:g}")
-        object.__setattr__(self, "reach", float(self.reach))
-        object.__setattr__(self, "lambda2", float(self.lambda2))
 
     @property
     def claim(self) -> dict[str, object]:
@@ -74,3 +74,13 @@ def contact_of(claim: Mapping[str, object]) -> Contact:
         raise SceneError("contact: range is missing")
     named = {"reach" if name == "range" else name: value for name, value in claim.items()}
     return Contact(**named)  # type: ignore[arg-type]  # its constructor checks each value
+
+
+def _number(name: str, value: object) -> float:
+    number = math.nan
+    if isinstance(value, Real) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):
+            number = float(value)
+    if not math.isfinite(number):
+        raise SceneError(f"contact: {name} must be a finite number, got {value!r}")
+    return number

@@ -59,8 +59,9 @@ def no_plan_in_contact(world: World, together: Together) -> NoPlanFound:
     more = ("a longer range, more room, or goals that lie as the starts do may help",)
     if together.missing:
         place = scene.robots[together.missing[0]].start
+        enough = "one" if last.ties.need == 1 else f"{last.ties.need}"
         return NoPlanFound(
-            f"no plan found: no order lets each robot start and end within {within} of one planned before it: "
+            f"no plan found: no order lets each robot start and end within {within} of {enough} planned before it: "
             f"{_listed([names[i] for i in together.missing])} cannot follow, and the team found nowhere to gather on "
             f"its way; {names[together.missing[0]]} is at ({place[0]:.2f}, {place[1]:.2f}) at t = 0 s",
             [names[i] for i in together.missing],

@@ -114,7 +114,7 @@ def plan(
     began = time.monotonic()
     chosen = method or ("prioritized" if rounds is None and seconds is None else "repair")
     _check(chosen, order, objective, within, split, roadmap)
-    demand = Contact(contact) if isinstance(contact, int | float) else contact
+    demand = contact if contact is None or isinstance(contact, Contact) else Contact(contact)
     if demand is not None and chosen not in IN_CONTACT:
         raise SceneError(f'contact belongs to the methods {", ".join(IN_CONTACT)}, not "{chosen}"')
     asked = Asked(

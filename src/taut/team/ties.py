@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from taut.contact import Contact, sight_sides
+from taut.contact.connectivity import k_connected
 from taut.errors import SceneError
 from taut.graph import Graph, algebraic_connectivity, components
 from taut.scene import Scene
@@ -185,6 +186,12 @@ def _too_loose(scene: Scene, which: str, places: Floats, linked: Links, contact:
         return (
             f"contact: {what} needs every robot in contact with {min(need, n - 1)} others, but at the {which} "
             f"{names[weak]} has {degrees[weak]} within {contact.reach:.6g} m"
+        )
+    if not k_connected(n, graph.edges, contact.k):
+        some = "a robot" if contact.k == 2 else f"some {contact.k - 1} robots"
+        return (
+            f"contact: the {which} are not {contact.k}-connected within {contact.reach:.6g} m: "
+            f"{some} may fail and leave the others without contact"
         )
     value = algebraic_connectivity(graph)
     if value < contact.lambda2 * (1 - 1e-9):
