@@ -24,7 +24,7 @@ from taut.team import plan
 from taut.team._conflict_kernels import Floats
 from taut.team._contact_kernels import Partners, in_contact, lonely_times, next_chance
 from taut.team.contact_methods import IN_CONTACT
-from taut.team.partners import Walls, partners_of
+from taut.team.partners import partners_of, walls_of
 from taut.team.ties import linked_order, ties_of
 
 SIDE = 10.0
@@ -48,7 +48,7 @@ def wanderers(rng: np.random.Generator, count: int, legs: int) -> list[Trajector
 
 def company(motions: list[Trajectory], reach: float, need: int, walls: Floats = NOWHERE) -> Partners:
     scene = Scene((0, 0, SIDE, SIDE), robots=[Robot(m.name, (1, 1), (2, 2)) for m in motions], gap=0.1)
-    return partners_of(scene, motions, Contact(reach), Walls(walls), need)
+    return partners_of(scene, motions, Contact(reach), walls_of(walls), need)
 
 
 def partners_at(
@@ -67,7 +67,7 @@ def partners_at(
     return count
 
 
-def walls_of(rng: np.random.Generator, count: int) -> Floats:
+def sides_of(rng: np.random.Generator, count: int) -> Floats:
     blocks = []
     for _ in range(count):
         x, y = rng.uniform(1, SIDE - 2, 2).tolist()
@@ -83,7 +83,7 @@ cases = st.tuples(st.integers(0, 10**6), st.integers(1, 4), st.integers(1, 2), s
 def test_times_without_contact_are_those_of_samples(case: tuple[int, int, int, float, int]) -> None:
     seed, count, need, reach, blocks = case
     rng = np.random.default_rng(seed)
-    motions, walls = wanderers(rng, count, 6), walls_of(rng, blocks)
+    motions, walls = wanderers(rng, count, 6), sides_of(rng, blocks)
     x, y = rng.uniform(0, SIDE, 2).tolist()
     lo, hi = np.empty(200), np.empty(200)
     found = lonely_times(company(motions, reach, need, walls), x, y, 0.0, math.inf, lo, hi, 0)
@@ -104,7 +104,7 @@ def test_a_departure_in_contact_keeps_it_and_no_earlier_one_does(
 ) -> None:
     seed, count, need, reach, blocks = case
     rng = np.random.default_rng(seed)
-    motions, walls = wanderers(rng, count, 6), walls_of(rng, blocks)
+    motions, walls = wanderers(rng, count, 6), sides_of(rng, blocks)
     a, b = rng.uniform(0, SIDE, (2, 2))
     edge = (*a.tolist(), *b.tolist())
     partners = company(motions, reach, need, walls)

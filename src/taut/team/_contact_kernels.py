@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team._lean import lean_kernel
+from taut.team._sight_kernels import Walls, out_of_sight
 
 
 class Partners(NamedTuple):
@@ -19,13 +20,9 @@ class Partners(NamedTuple):
     first : (m + 1,) first leg of each partner.
     reach : (2,) metres within which robots are in contact; seconds that make no difference.
     need : (1,) how many partners at every instant.
-    sides : (s, 4) sides of obstacles that block the sight; none where walls do not matter.
-    frame, shape : of the grid of the sides: x0, y0, side of a cell; columns, rows.
-    cell_first, cell_side : the sides near each cell.
-    seen : (s,) the question that last met each side.
+    walls : what blocks the sight.
     since, till : stretches in contact that the present question has found; then sorted, each for itself.
-    dark : (d, 2) stretches out of sight.
-    tally : (2,) mark of the next question, number of stretches.
+    tally : (1,) how many there are.
     """
 
     legs: Floats
@@ -33,15 +30,9 @@ class Partners(NamedTuple):
     first: Ints
     reach: Floats
     need: Ints
-    sides: Floats
-    frame: Floats
-    shape: Ints
-    cell_first: Ints
-    cell_side: Ints
-    seen: Ints
+    walls: Walls
     since: Floats
     till: Floats
-    dark: Floats
     tally: Ints
 
 
@@ -120,7 +111,7 @@ def next_chance(
     _meet_at(partners, ax, ay, ux, uy, instant, middle)
     _sort(partners)
     back_to = -inf
-    for k in range(partners.tally[1]):
+    for k in range(partners.tally[0]):
         if back_to < till[k] <= middle and _enough(partners, till[k]):
             back_to = till[k]
     return max(chance, instant - max(back_to, 0.0))
@@ -134,7 +125,7 @@ def _first_gap(
     ax, ay, bx, by = edge
     ux, uy = (bx - ax) / tau, (by - ay) / tau
     _meet(partners, ax, ay, ux, uy, depart, depart, depart + tau)
-    for k in range(partners.tally[1]):
+    for k in range(partners.tally[0]):
         partners.since[k] -= depart
         partners.till[k] = inf if partners.till[k] >= depart + tau else partners.till[k] - depart
     _sort(partners)
@@ -149,7 +140,7 @@ def _next_meeting(partners: Partners, x: float, y: float, begin: float, end: flo
     if _enough(partners, begin):
         return begin
     best = inf
-    for k in range(partners.tally[1]):
+    for k in range(partners.tally[0]):
         when = partners.since[k]
         if when >= begin and when < best and _enough(partners, when):
             best = when
@@ -162,7 +153,7 @@ def _next_meeting(partners: Partners, x: float, y: float, begin: float, end: flo
 @lean_kernel
 def _enough(partners: Partners, at: float) -> bool:
     """Whether there are enough partners at a time; ``since`` and ``till`` are sorted."""
-    n = partners.tally[1]
+    n = partners.tally[0]
     holding: bool = _not_after(partners.since, n, at) - _before(partners.till, n, at) >= partners.need[0]
     return holding
 
@@ -170,7 +161,7 @@ def _enough(partners: Partners, at: float) -> bool:
 @lean_kernel
 def _gap(partners: Partners, begin: float, end: float) -> tuple[float, float]:
     """First stretch between two times in which there are not enough partners; inf, inf if there is none."""
-    n, need = partners.tally[1], partners.need[0]
+    n, need = partners.tally[0], partners.need[0]
     since, till = partners.since, partners.till
     i = _not_after(since, n, begin)
     j = _before(till, n, begin)
@@ -226,7 +217,7 @@ def _before(times: Floats, n: int, at: float) -> int:
 @lean_kernel
 def _sort(partners: Partners) -> None:
     """Sort the beginnings and the ends, each for themselves: whoever counts needs no more."""
-    n = partners.tally[1]
+    n = partners.tally[0]
     for times in (partners.since, partners.till):
         for i in range(1, n):
             value = times[i]
@@ -242,7 +233,7 @@ def _meet(
     partners: Partners, x: float, y: float, ux: float, uy: float, origin: float, begin: float, end: float
 ) -> None:
     """Find all stretches between two times in which a robot at (x, y) + (t − origin) u is in contact."""
-    partners.tally[1] = 0
+    partners.tally[0] = 0
     for m in range(partners.first.shape[0] - 1):
         _meet_one(partners, m, x, y, ux, uy, origin, begin, end)
 
@@ -281,7 +272,7 @@ def _meet_one(
 @lean_kernel
 def _meet_at(partners: Partners, ax: float, ay: float, ux: float, uy: float, when: float, s: float) -> None:
     """Find, for one instant, the stretches of an edge up to s seconds along it that are in contact."""
-    partners.tally[1] = 0
+    partners.tally[0] = 0
     legs = partners.legs
     for m in range(partners.first.shape[0] - 1):
         lo, hi = partners.first[m], partners.first[m + 1]
@@ -341,10 +332,10 @@ def _add(
     Where there is no room the rest is left out, as if there were no contact.
     """
     dark = 0
-    if partners.sides.shape[0] > 0:
+    if partners.walls.sides.shape[0] > 0:
         until = a if b == inf else b
-        dark = _out_of_sight(
-            partners,
+        dark = out_of_sight(
+            partners.walls,
             px + (a - t0) * ux,
             py + (a - t0) * uy,
             ux,
@@ -359,179 +350,16 @@ def _add(
             return
     at = a
     for k in range(dark):
-        if a + partners.dark[k, 0] > at:
-            _note(partners, at, a + partners.dark[k, 0])
-        at = a + partners.dark[k, 1]
-    if dark == 0 or partners.dark[dark - 1, 1] < b - a:
+        if a + partners.walls.dark[k, 0] > at:
+            _note(partners, at, a + partners.walls.dark[k, 0])
+        at = a + partners.walls.dark[k, 1]
+    if dark == 0 or partners.walls.dark[dark - 1, 1] < b - a:
         _note(partners, at, b)
 
 
 @lean_kernel
 def _note(partners: Partners, a: float, b: float) -> None:
-    n = partners.tally[1]
+    n = partners.tally[0]
     if n < partners.since.shape[0] and a <= b:
         partners.since[n], partners.till[n] = a, b
-        partners.tally[1] = n + 1
-
-
-# --- Sight ------------------------------------------------------------------------------------------------------------
-
-
-@lean_kernel
-def _out_of_sight(
-    partners: Partners,
-    px: float,
-    py: float,
-    ux: float,
-    uy: float,
-    qx: float,
-    qy: float,
-    vx: float,
-    vy: float,
-    span: float,
-) -> int:
-    """Write the merged stretches of [0, span] in which a side lies between two robots; −1 if there is no room.
-
-    A side comes between, or no longer does, when one of its ends enters or leaves the segment between the robots
-    (roots of a quadratic), or a robot crosses its line; between these instants nothing changes.
-    """
-    x0, x1 = (
-        min(min(px, px + span * ux), min(qx, qx + span * vx)),
-        max(max(px, px + span * ux), max(qx, qx + span * vx)),
-    )
-    y0, y1 = (
-        min(min(py, py + span * uy), min(qy, qy + span * vy)),
-        max(max(py, py + span * uy), max(qy, qy + span * vy)),
-    )
-    frame, columns, rows = partners.frame, partners.shape[0], partners.shape[1]
-    col0, col1 = _clamped((x0 - frame[0]) / frame[2], columns), _clamped((x1 - frame[0]) / frame[2], columns)
-    row0, row1 = _clamped((y0 - frame[1]) / frame[2], rows), _clamped((y1 - frame[1]) / frame[2], rows)
-    partners.tally[0] += 1
-    mark = partners.tally[0]
-    count = 0
-    for row in range(row0, row1 + 1):
-        for col in range(col0, col1 + 1):
-            cell = row * columns + col
-            for k in range(partners.cell_first[cell], partners.cell_first[cell + 1]):
-                i = partners.cell_side[k]
-                if partners.seen[i] == mark:
-                    continue
-                partners.seen[i] = mark
-                cx, cy, dx, dy = partners.sides[i, 0], partners.sides[i, 1], partners.sides[i, 2], partners.sides[i, 3]
-                if max(cx, dx) < x0 or min(cx, dx) > x1 or max(cy, dy) < y0 or min(cy, dy) > y1:
-                    continue
-                count = _hidden_by(partners, cx, cy, dx, dy, px, py, ux, uy, qx, qy, vx, vy, span, count)
-                if count < 0:
-                    return -1
-    return _merged(partners.dark, count)
-
-
-@lean_kernel
-def _hidden_by(
-    partners: Partners,
-    cx: float,
-    cy: float,
-    dx: float,
-    dy: float,
-    px: float,
-    py: float,
-    ux: float,
-    uy: float,
-    qx: float,
-    qy: float,
-    vx: float,
-    vy: float,
-    span: float,
-    count: int,
-) -> int:
-    """Add the stretches in which one side is between the robots."""
-    ex, ey = dx - cx, dy - cy
-    p0, p1 = ex * (py - cy) - ey * (px - cx), ex * (py + span * uy - cy) - ey * (px + span * ux - cx)
-    q0, q1 = ex * (qy - cy) - ey * (qx - cx), ex * (qy + span * vy - cy) - ey * (qx + span * vx - cx)
-    if (p0 > 0.0 and p1 > 0.0 and q0 > 0.0 and q1 > 0.0) or (p0 < 0.0 and p1 < 0.0 and q0 < 0.0 and q1 < 0.0):
-        return count
-    first = partners.dark.shape[0] - 8  # the last rows are for the instants
-    times = partners.dark
-    n = 0
-    for k in range(2):
-        at, end = (p0, p1) if k == 0 else (q0, q1)
-        if (at < 0.0) != (end < 0.0) and at != end:
-            times[first + n, 0] = span * (at / (at - end))
-            n += 1
-    wx, wy, rx, ry = qx - px, qy - py, vx - ux, vy - uy
-    for k in range(2):
-        gx, gy = (cx - px, cy - py) if k == 0 else (dx - px, dy - py)
-        # (w + t r) × (g − t u) = A t² + B t + C
-        a = -(rx * uy - ry * ux)
-        b = rx * gy - ry * gx - (wx * uy - wy * ux)
-        c = wx * gy - wy * gx
-        disc = b * b - 4.0 * a * c
-        if disc < 0.0:
-            continue
-        big = -0.5 * (b + (sqrt(disc) if b >= 0.0 else -sqrt(disc)))
-        for j in range(2):
-            bottom = a if j == 0 else big
-            top = big if j == 0 else c
-            if bottom != 0.0:
-                t = top / bottom
-                if t > 0.0 and t < span:
-                    times[first + n, 0] = t
-                    n += 1
-    for i in range(1, n):
-        value = times[first + i, 0]
-        j = i - 1
-        while j >= 0 and times[first + j, 0] > value:
-            times[first + j + 1, 0] = times[first + j, 0]
-            j -= 1
-        times[first + j + 1, 0] = value
-    before = 0.0
-    for i in range(n + 1):
-        after = span if i == n else min(max(times[first + i, 0], 0.0), span)
-        if after > before or (n == 0 and span == 0.0):
-            t = 0.5 * (before + after)
-            if _crosses(cx, cy, dx, dy, px + t * ux, py + t * uy, qx + t * vx, qy + t * vy):
-                if count >= first:
-                    return -1
-                times[count, 0], times[count, 1] = before, after
-                count += 1
-        before = max(before, after)
-    return count
-
-
-@lean_kernel
-def _crosses(cx: float, cy: float, dx: float, dy: float, px: float, py: float, qx: float, qy: float) -> bool:
-    """Whether two closed segments meet; where all four points are on one line, whether their boxes do."""
-    p = (dx - cx) * (py - cy) - (dy - cy) * (px - cx)
-    q = (dx - cx) * (qy - cy) - (dy - cy) * (qx - cx)
-    c = (qx - px) * (cy - py) - (qy - py) * (cx - px)
-    d = (qx - px) * (dy - py) - (qy - py) * (dx - px)
-    if (p > 0.0 and q > 0.0) or (p < 0.0 and q < 0.0) or (c > 0.0 and d > 0.0) or (c < 0.0 and d < 0.0):
-        return False
-    return max(min(px, qx), min(cx, dx)) <= min(max(px, qx), max(cx, dx)) and max(min(py, qy), min(cy, dy)) <= min(
-        max(py, qy), max(cy, dy)
-    )
-
-
-@lean_kernel
-def _merged(dark: Floats, count: int) -> int:
-    """Sort stretches and join those that meet."""
-    for i in range(1, count):
-        a, b = dark[i, 0], dark[i, 1]
-        j = i - 1
-        while j >= 0 and dark[j, 0] > a:
-            dark[j + 1, 0], dark[j + 1, 1] = dark[j, 0], dark[j, 1]
-            j -= 1
-        dark[j + 1, 0], dark[j + 1, 1] = a, b
-    n = 0
-    for i in range(count):
-        if n > 0 and dark[i, 0] <= dark[n - 1, 1]:
-            dark[n - 1, 1] = max(dark[n - 1, 1], dark[i, 1])
-        else:
-            dark[n, 0], dark[n, 1] = dark[i, 0], dark[i, 1]
-            n += 1
-    return n
-
-
-@lean_kernel
-def _clamped(at: float, n: int) -> int:
-    return min(max(int(at), 0), n - 1)
+        partners.tally[0] = n + 1

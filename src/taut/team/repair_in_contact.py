@@ -47,13 +47,13 @@ def repaired_together(
     """
     whole = joined(world, found.stretches)
     check_repair(whole, seed, rounds, until, objective)
-    rng = np.random.default_rng(seed)
-    stretches = list(found.stretches)
-    benches = [bench_of(stretch.world) for stretch in stretches]
     history = [_cost(world, whole, objective)]
+    stretches = list(found.stretches)
     most = math.inf if rounds is None else rounds
     done = 0
-    with held_back() as interrupted:
+    with held_back() as interrupted:  # there is a plan: it must not be lost
+        rng = np.random.default_rng(seed)
+        benches = [bench_of(stretch.world) for stretch in stretches]
         while done < most and time.monotonic() <= until and not interrupted():
             k = done % len(stretches)
             # who gathers waits for the last

@@ -16,7 +16,8 @@ from taut.errors import SceneError
 from taut.graph import Graph, algebraic_connectivity, components
 from taut.scene import Scene
 from taut.team._conflict_kernels import Floats, Ints
-from taut.team.partners import Walls
+from taut.team._sight_kernels import Walls
+from taut.team.partners import walls_of
 
 Links = NDArray[np.bool_]
 
@@ -60,7 +61,7 @@ def ties_of(scene: Scene, contact: Contact) -> Ties:
             f"contact: robot {leaving[0]} leaves at its goal and would be out of contact then; use at_goal: stay"
         )
     _require_room(scene, contact)
-    walls = Walls(sight_sides(scene, scene.tol / 2) if contact.sight else np.empty((0, 4)))
+    walls = walls_of(sight_sides(scene, scene.tol / 2) if contact.sight else np.empty((0, 4)))
     need = max(contact.k, math.ceil(contact.lambda2 - 1e-9))
     return tied(scene, contact, need, walls, _refused)
 
