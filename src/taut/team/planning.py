@@ -18,7 +18,7 @@ from taut.motion import Plan
 from taut.roadmap import Lanes
 from taut.route import WAYS
 from taut.scene import Scene
-from taut.team.conflicts import conflicts_met, why_later
+from taut.team.conflicts import Conflict, conflicts_met, why_later
 from taut.team.contact_methods import IN_CONTACT
 from taut.team.methods import METHODS, OBJECTIVES, ORDERS, Asked, Order, Progress
 from taut.team.prioritized import Round
@@ -159,7 +159,7 @@ def plan(
         certificate,
         (*notes, *world.notes, *found.notes),
         world.shortest,
-        tuple(map(why_later, met)),
+        tuple(map(why_later, met)) if demand is None else _in_company(world, found.plan, met),
         (*found.stages, sequence),
         tuple((at - began, cost) for at, cost in found.history),
         {"roadmaps": ready - began, "planning": planned - ready, "certificate": proved - planned},
@@ -204,6 +204,15 @@ def certified(
     found = tuple(motion for motion in done.trajectories if motion is not None)
     certificate = certify(Plan(world.scene, found, planner, claims, bound))
     return Plan(world.scene, found, planner, claims, bound, certificate.as_dict()), certificate
+
+
+def _in_company(world: World, done: Round, met: Sequence[tuple[Conflict, ...]]) -> tuple[str, ...]:
+    """Why each robot is late in a team that stays in contact; "" if it is not."""
+    late = [
+        motion is not None and motion.arrival > soonest * (1 + 1e-9)
+        for motion, soonest in zip(done.trajectories, world.soonest.tolist(), strict=True)
+    ]
+    return tuple(why_later(some) or ("stays in contact" if slow else "") for some, slow in zip(met, late, strict=True))
 
 
 def _too_weak(certificate: Certificate) -> NoPlanFound:
