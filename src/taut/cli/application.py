@@ -12,7 +12,15 @@ from typing import Annotated, Any, TextIO, cast
 
 import typer
 
-from taut.cli import INTERRUPTED, compare_command, graph_command, plan_commands, replan_command, scene_commands
+from taut.cli import (
+    INTERRUPTED,
+    compare_command,
+    graph_command,
+    plan_commands,
+    replan_command,
+    scene_commands,
+    travel_command,
+)
 from taut.cli.output import printable, say_error
 from taut.errors import NoPlanExists, NoPlanFound, OutputError, TautError
 
@@ -28,6 +36,7 @@ app = typer.Typer(
 )
 app.command("plan")(plan_commands.plan)
 app.command("replan")(replan_command.replan)
+app.command("travel")(travel_command.travel)
 app.command("verify")(plan_commands.verify)
 app.command("check")(scene_commands.check)
 app.command("show")(plan_commands.show)
