@@ -364,3 +364,22 @@ def test_a_team_that_gets_no_plan_is_told_who_where_and_when() -> None:
     assert caught.value.place is not None
     assert caught.value.time is not None
     assert "R1 cannot stay within 2.8 m of R2" in str(caught.value)
+
+
+def test_rounds_bound_the_passes() -> None:
+    """Also those on the stretches between places to gather."""
+    places = np.random.default_rng(8).permutation(8)
+    robots = [Robot(f"R{i}", (1.5 + 0.9 * i, 2), (25 + 0.9 * places[i], 8), 0.2) for i in range(8)]
+    scene = Scene((0, 0, 40, 10), robots=robots)
+    for method in ("prioritized", "search"):
+        with pytest.raises(NoPlanFound):
+            plan(scene, method, contact=1.0, rounds=1)
+        assert int(str(plan(scene, method, contact=1.0, rounds=9).plan.planner["rounds"])) <= 9
+
+
+def test_seconds_are_repeated_by_the_rounds_they_took() -> None:
+    scene = swarm(12, 2, 5.0)
+    short = plan(scene, contact=2.0, seconds=0.7)
+    again = plan(scene, contact=2.0, rounds=max(int(str(short.plan.planner["rounds"])), 1))
+    if short.plan.planner["rounds"]:
+        assert again.plan.trajectories == short.plan.trajectories

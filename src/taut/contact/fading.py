@@ -59,7 +59,7 @@ def fading_fiedler(plan: Plan, reach: float, weight: Weight, sight: bool = False
     SceneError
         As `contacts`; ``width`` is not positive.
     ValueError
-        A weight that is negative, not finite, or increases with the length.
+        A weight that is negative, not finite, not one number a link, or increases with the length.
 
     Notes
     -----
@@ -132,7 +132,10 @@ def _bounds(
         now = distance_bounds(motions, piece.robots, piece.begin, piece.begin)[0]
         for k, lengths in enumerate((greatest, least, now)):
             # what is within reach by the tolerance only counts as within reach
-            weights[k].append(np.asarray(weight(np.minimum(lengths, reach)), dtype=np.float64))
+            given = np.asarray(weight(np.minimum(lengths, reach)), dtype=np.float64)
+            if given.shape != lengths.shape:
+                raise ValueError(f"the weight of {len(lengths)} links has shape {given.shape}: give one value a link")
+            weights[k].append(given)
         _check(weights[0][-1], weights[1][-1])
     out = np.zeros((3, len(pieces)))
     sizes = np.array([piece.n for piece in pieces])

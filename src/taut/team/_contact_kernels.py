@@ -134,17 +134,29 @@ def _first_gap(
 
 @lean_kernel
 def _next_meeting(partners: Partners, x: float, y: float, begin: float, end: float) -> float:
-    """First time between two at which a robot that rests there is in contact; inf if there is none."""
-    _meet(partners, x, y, 0.0, 0.0, begin, begin, end)
-    _sort(partners)
-    if _enough(partners, begin):
-        return begin
-    best = inf
-    for k in range(partners.tally[0]):
-        when = partners.since[k]
-        if when >= begin and when < best and _enough(partners, when):
-            best = when
-    return best
+    """First time between two at which a robot that rests there is in contact; inf if there is none.
+
+    It is mostly soon: so a short while is looked at first, then one twice as long, and so on.
+    """
+    ahead = partners.reach[1] * 2.0**20
+    settled = 0.0  # from when on all partners rest
+    for m in range(partners.first.shape[0] - 1):
+        settled = max(settled, partners.legs[partners.first[m + 1] - 1, 2])
+    while begin <= end:
+        until = end if begin >= settled else min(end, begin + ahead)
+        _meet(partners, x, y, 0.0, 0.0, begin, begin, until)
+        _sort(partners)
+        if _enough(partners, begin):
+            return begin
+        for k in range(partners.tally[0]):
+            if partners.since[k] >= begin and _enough(partners, partners.since[k]):
+                when: float = partners.since[k]
+                return when
+        if until == end:
+            break
+        begin = until
+        ahead *= 2.0
+    return inf
 
 
 # --- Stretches in contact ---------------------------------------------------------------------------------------------
@@ -216,16 +228,21 @@ def _before(times: Floats, n: int, at: float) -> int:
 
 @lean_kernel
 def _sort(partners: Partners) -> None:
-    """Sort the beginnings and the ends, each for themselves: whoever counts needs no more."""
+    """Sort the beginnings and the ends, each for themselves: whoever counts needs no more. Shell's method."""
     n = partners.tally[0]
     for times in (partners.since, partners.till):
-        for i in range(1, n):
-            value = times[i]
-            j = i - 1
-            while j >= 0 and times[j] > value:
-                times[j + 1] = times[j]
-                j -= 1
-            times[j + 1] = value
+        step = 1
+        while 3 * step + 1 < n:
+            step = 3 * step + 1
+        while step > 0:
+            for i in range(step, n):
+                value = times[i]
+                j = i - step
+                while j >= 0 and times[j] > value:
+                    times[j + step] = times[j]
+                    j -= step
+                times[j + step] = value
+            step //= 3
 
 
 @lean_kernel

@@ -35,15 +35,15 @@ def _mrppa(world: World, ties: Ties, asked: Asked) -> Found:
 
 
 def _search(world: World, ties: Ties, asked: Asked) -> Found:
-    nodes = _NODES if asked.rounds is None else asked.rounds
+    most = math.inf if asked.rounds is None else asked.rounds
 
     def tell(made: int, done: Stretch) -> None:
         asked.tell(Progress("search", made, len(done.passed.failures), math.inf, 0.0))
 
-    def search(part: World, here: Ties) -> Together:
-        return searched_in_contact(part, here, asked.seed, nodes, asked.until, tell)
+    def search(part: World, here: Ties, left: float) -> Together:
+        return searched_in_contact(part, here, asked.seed, min(_NODES, left), asked.until, tell)
 
-    return _found(world, planned_together(world, ties, search, asked.until), asked)
+    return _found(world, planned_together(world, ties, search, most, asked.until), asked)
 
 
 def _repair(world: World, ties: Ties, asked: Asked) -> Found:
@@ -73,15 +73,15 @@ def _passed(world: World, ties: Ties, asked: Asked, rounds: int | None) -> Toget
     """Passes over the team until all robots get through in contact."""
     order = first_order(world.scene, world.shortest, asked.order)
     rng = np.random.default_rng(asked.seed)
-    most = MOST_ROUNDS if rounds is None else rounds
+    most = math.inf if rounds is None else rounds
 
     def tell(done: int, passed: Round) -> None:
         asked.tell(Progress("passes", done, len(passed.failures), math.inf, 0.0))
 
-    def passes(part: World, here: Ties) -> Together:
-        return passes_in_contact(part, here, order, rng, most, asked.until, tell)
+    def passes(part: World, here: Ties, left: float) -> Together:
+        return passes_in_contact(part, here, order, rng, min(MOST_ROUNDS, left), asked.until, tell)
 
-    return planned_together(world, ties, passes, asked.until)
+    return planned_together(world, ties, passes, most, asked.until)
 
 
 def _found(world: World, together: Together, asked: Asked) -> Found:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from taut.errors import NoPlanExists, NoPlanFound
 from taut.team.diagnosis import MOST_PAIRS, diagnose, suspects
 from taut.team.impossibility import MOST_STATES, Impossible, first_impossible
-from taut.team.in_contact import Together
+from taut.team.in_contact import Together, set_out
 from taut.team.prioritized import Round
 from taut.team.search import Searched
 from taut.team.world import World
@@ -71,7 +71,7 @@ def no_plan_in_contact(world: World, together: Together) -> NoPlanFound:
         )
     refuse_impossible(world, last.passed)
     failure = last.passed.failures[0]
-    since = sum(max(m.arrival for m in stretch.passed.trajectories if m is not None) for stretch in before)
+    since = set_out(world, before)[-1]
     x, y = failure.place
     lost = "" if last.lost is None else f"cannot stay within {within} of {names[last.lost]} or others: it "
     others = [names[j] for j in failure.blockers if j != last.lost]

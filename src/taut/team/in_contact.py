@@ -95,54 +95,62 @@ class Together:
     @property
     def found(self) -> bool:
         """Whether there is a plan."""
-        return not self.missing and not self.stretches[-1].passed.failures
+        return bool(self.stretches) and not self.missing and not self.stretches[-1].passed.failures
 
 
-PlanStretch: TypeAlias = Callable[[World, Ties], Together]
-"""Plans one stretch of a team's way."""
+PlanStretch: TypeAlias = Callable[[World, Ties, float], Together]
+"""Plans one stretch of a team's way, in no more passes than given."""
 
 
-def planned_together(world: World, ties: Ties, straight_on: PlanStretch, until: float = math.inf) -> Together:
+def planned_together(
+    world: World, ties: Ties, straight_on: PlanStretch, most: float = math.inf, until: float = math.inf
+) -> Together:
     """Plan a team that stays in contact: in one go if an order allows it, else gathering on the way.
 
     Parameters
     ----------
     straight_on : plans one stretch.
-    until : no other places to gather are tried after this time of the monotonic clock, seconds.
+    most : passes at most, on all stretches together.
+    until : no other stretch is begun after this time of the monotonic clock, seconds.
 
     Notes
     -----
     On lanes a team does not gather: places beside them are of no use.
     """
-    first = straight_on(world, ties)
+    first = straight_on(world, ties, most)
     if first.found or world.on_lanes:
         return first
     passes, best = first.passes, first
     for tried, places in enumerate(arrangements(world, ties)):
-        if tried == _SEQUENCES or time.monotonic() > until:
+        if tried == _SEQUENCES or passes >= most or time.monotonic() > until:
             break
-        found = _by_way_of(world, ties, places, straight_on)
-        if found is None:
-            continue
+        found = _by_way_of(world, ties, places, straight_on, most - passes, until)
         passes += found.passes
         if found.found:
             return replace(found, passes=passes)
-        best = found if best.missing else best
+        best = found if best.missing and found.stretches else best
     return replace(best, passes=passes)
 
 
-def joined(scene_world: World, stretches: Sequence[Stretch]) -> Round:
-    """Return a pass over the whole way; every robot waits where the team gathers until the last is there."""
-    robots = scene_world.scene.robots
-    latest = max(robot.start_time for robot in robots)
-    rows = [np.array([[0.0, *robot.start]]) for robot in robots]
-    now = 0.0
+def set_out(world: World, stretches: Sequence[Stretch]) -> list[float]:
+    """When the team sets out on each of these stretches, and when it would on the next, seconds."""
+    latest = max(robot.start_time for robot in world.scene.robots)
+    out = [0.0]
     for stretch in stretches:
+        arrivals = [motion.arrival for motion in stretch.passed.trajectories if motion is not None]
+        out.append(max(out[-1] + max(arrivals), latest))
+    return out
+
+
+def joined(world: World, stretches: Sequence[Stretch]) -> Round:
+    """Return a pass over the whole way; every robot waits where the team gathers until the last is there."""
+    robots = world.scene.robots
+    rows = [np.array([[0.0, *robot.start]]) for robot in robots]
+    for now, stretch in zip(set_out(world, stretches)[:-1], stretches, strict=True):
         motions = [motion for motion in stretch.passed.trajectories if motion is not None]
         for i, motion in enumerate(motions):
             later = motion.stamps + np.array([now, 0.0, 0.0])
             rows[i] = np.concatenate([rows[i], later[later[:, 0] > rows[i][-1, 0]]])
-        now = max(now + max(motion.arrival for motion in motions), latest)
     last = stretches[-1].passed
     if len(stretches) == 1:
         return last
@@ -196,17 +204,21 @@ def follow(
     return failure
 
 
-def _by_way_of(world: World, ties: Ties, places: Sequence[Floats], straight_on: PlanStretch) -> Together | None:
-    """Plan from each arrangement of the team to the next; None where one cannot be reached even by robots alone."""
+def _by_way_of(
+    world: World, ties: Ties, places: Sequence[Floats], straight_on: PlanStretch, most: float, until: float
+) -> Together:
+    """Plan from each arrangement of the team to the next, as far as that gets."""
     stretches: list[Stretch] = []
     passes = 0
     for k in range(len(places) - 1):
+        if passes >= most or time.monotonic() > until:
+            return Together((), passes)
         scene = between(world.scene, places[k], places[k + 1])
         try:
             part = World(scene, world.way, world.seed)
-        except NoPath:
-            return None
-        found = straight_on(part, tied(scene, ties.contact, ties.need, ties.walls))
+        except NoPath:  # not even a robot alone gets there
+            return Together((), passes)
+        found = straight_on(part, tied(scene, ties.contact, ties.need, ties.walls), most - passes)
         passes += found.passes
         stretches += found.stretches
         if not found.found:
@@ -241,7 +253,7 @@ def passes_in_contact(
     ties: Ties,
     order: Sequence[int],
     rng: np.random.Generator,
-    most: int = MOST_ROUNDS,
+    most: float = MOST_ROUNDS,
     until: float = math.inf,
     tell: Callable[[int, Round], None] | None = None,
 ) -> Together:

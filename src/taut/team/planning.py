@@ -83,8 +83,8 @@ def plan(
         - "optimal": conflict-based search: least cost on this roadmap, with a proven lower bound at any moment.
     order : who is planned first: "shortest" or "longest" way (by time), or as "given" in the scene.
     seed : of everything drawn at random; same input, seed and rounds give the same plan, bit for bit.
-    rounds : at most so many passes over the team (24 by default), rounds of repair (40 by default, none after the
-        seconds if these are given), nodes of a search.
+    rounds : at most so many passes over the team (by default 24, in contact 48 on each stretch of the way), rounds of
+        repair (40 by default, none after the seconds if these are given), nodes of a search.
     seconds : when they are over the best plan so far is returned; the first pass over the team is always finished.
     progress : called now and then with how far it has come. Ctrl-C during repair or a proof returns the best plan.
     weight : with "mrppa": weight in λ2 of an edge, from its length; a name of `taut.graph.WEIGHTS` or a function of

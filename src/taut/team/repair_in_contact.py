@@ -18,8 +18,6 @@ from taut.team.safe_intervals import Bench, bench_of, hold_start, take
 from taut.team.ties import linked_order
 from taut.team.world import World
 
-_TRIES = 4  # in a round
-
 
 def repaired_together(
     world: World,
@@ -33,7 +31,7 @@ def repaired_together(
     """Improve a plan in contact: a delayed robot is planned earlier in the order, and all after it anew.
 
     Each robot stays in contact with some before it, so the others' motions cannot be kept as they are when one changes;
-    but those before it in the order can. What is better is kept.
+    but those before it in the order can. What is better is kept. A round is one try.
 
     Parameters
     ----------
@@ -58,10 +56,7 @@ def repaired_together(
             k = done % len(stretches)
             # who gathers waits for the last
             aim = objective if k == len(stretches) - 1 else "makespan"
-            for _ in range(_TRIES):
-                if time.monotonic() > until:
-                    break
-                stretches[k] = _tried(stretches[k], benches[k], rng, aim)
+            stretches[k] = _tried(stretches[k], benches[k], rng, aim)
             done += 1
             whole = joined(world, stretches)
             history.append(min(_cost(world, whole, objective), history[-1]))

@@ -178,10 +178,10 @@ def _planned_in_contact(world: World, ties: Ties, seed: int, most: int, until: f
     order = first_order(world.scene, world.shortest, "shortest")
     rng = np.random.default_rng(seed)
 
-    def passes(part: World, here: Ties) -> Together:
-        return passes_in_contact(part, here, order, rng, most, until)
+    def passes(part: World, here: Ties, left: float) -> Together:
+        return passes_in_contact(part, here, order, rng, left, until)
 
-    together = planned_together(world, ties, passes, until)
+    together = planned_together(world, ties, passes, most, until)
     if not together.found:
         raise no_plan_in_contact(world, together)
     return joined(world, together.stretches), together.passes

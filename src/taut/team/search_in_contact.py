@@ -21,7 +21,7 @@ def searched_in_contact(
     world: World,
     ties: Ties,
     seed: int = 0,
-    nodes: int = 10_000,
+    nodes: float = 10_000,
     until: float = math.inf,
     tell: Callable[[int, Stretch], None] | None = None,
 ) -> Together:
