@@ -190,6 +190,12 @@ def test_awkward_scenes_for_points(scene: Scene, delta: float) -> None:
         check(scene, robot, delta)
 
 
+def test_a_way_shorter_than_the_tolerance_passes_nothing() -> None:
+    """Not even in the corner of the workspace, where walls are on both sides of it."""
+    robot = Robot("R1", (0.0, 0.0), (0.0, 1.4e-45))
+    check(Scene((0, 0, 8, 8), robots=[robot], gap=0.1), robot, 0.0)
+
+
 @settings(max_examples=60, deadline=None)
 @given(scenes(max_robots=2, max_radius=0.5), DELTAS)
 def test_awkward_scenes_for_discs(scene: Scene, delta: float) -> None:

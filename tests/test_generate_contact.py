@@ -157,7 +157,7 @@ def test_one_robot_goes_alone() -> None:
         ({"seed": -1}, "seed must be a whole number"),
         ({"obstacles": -1}, "obstacles must be a whole number"),
         ({"reach": 0.0}, "range must be positive"),
-        ({"reach": math.nan}, "range must be a number"),
+        ({"reach": math.nan}, "range must be a finite number"),
         ({"reach": 0.5}, "reach of 0.5 m is too short"),
         ({"reach": 1e9}, "reach must be between"),
         ({"ground": "lake"}, "ground: 'lake' is unknown, take hall, rooms, corner"),

@@ -182,7 +182,7 @@ def _way_on(rest: FloatArray) -> FloatArray:
 def _suspects(near: list[Solid], start: FloatArray, way: FloatArray, tol: float) -> list[float]:
     """Shares of a leg at which it may be touched from both sides: beside corners, else in the middle; and its end."""
     length = math.hypot(*way)
-    if length == 0:
+    if length <= tol:  # it passes nothing
         return []
     shares = [0.5, 1.0]
     for solid in near:
