@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import taut
+from taut.figures import animate_run
+from taut.simulation import Detector, Disturbances, Lidar, simulate
 
 FIGURES = Path(__file__).resolve().parent / "figures"
 
@@ -22,6 +24,7 @@ def main() -> None:
     taut.save_figure(result.plan, FIGURES / "thesis-2-graph.png", graph=graph)
     taut.animate(result.plan, FIGURES / "thesis-2.gif")
     draw_contact()
+    draw_simulation()
     for path in sorted(FIGURES.iterdir()):
         print(path)
 
@@ -44,6 +47,31 @@ def draw_contact() -> None:
     offsets = {"left": (-1, 1), "right": (-1, -1), "wing-left": (-2, 2), "wing-right": (-2, -2)}
     wedge = taut.travel(taut.in_formation(hall, offsets), contact=3).plan
     taut.animate(wedge, FIGURES / "contact-formation.gif", fps=12, seconds=8, width=560)
+
+
+def draw_simulation() -> None:
+    """Let the robots of the page on simulation follow their plan, and draw what they do."""
+    yard = taut.Scene(
+        (0, 0, 10, 8),
+        [
+            taut.Rectangle(3, 1.5, 1.5, 3, name="shed"),
+            taut.Circle((7, 4.5), 0.8, "tank"),
+            taut.Line([(4.5, 6), (6, 6.5), (7.5, 6.5)], 0.1, "fence"),
+        ],
+        [
+            taut.Robot("R1", (1, 1), (9, 7), radius=0.25),
+            taut.Robot("R2", (9, 1), (1, 7), radius=0.25),
+            taut.Robot("R3", (1, 4), (9, 2.5), radius=0.25),
+            taut.Robot("R4", (9, 5.5), (1.5, 2.5), radius=0.25),
+        ],
+        clearance=0.1,
+        gap=0.1,
+        name="yard",
+    )
+    met = Disturbances(speed_error=0.2, stops=0.1)
+    run = simulate(taut.plan(yard).plan, seed=3, disturbances=met, lidar=Lidar(reach=3.0))
+    taut.save_figure(run, FIGURES / "simulation.png")
+    animate_run(run, FIGURES / "simulation.gif", fps=6, seconds=8, width=480, detector=Detector(reach=3.0))
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ WITH_COMMANDS = {
     "roadmaps.md",
     "chapter5.md",
     "teams.md",
+    "simulation.md",
     "contact.md",
 }
 WITH_PYTHON = WITH_COMMANDS | {"meanings.md", "thesis.md", "paths.md"}

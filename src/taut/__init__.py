@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from taut import contact as contact
     from taut import control as control
     from taut import graph as graph
+    from taut import simulation as simulation
     from taut.certificate import Certificate, certify
     from taut.contact import Contact, Contacts, contacts, fading_fiedler, needed_reach
     from taut.editing import with_obstacle, without_obstacle
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
         widest_routes,
     )
     from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
+    from taut.simulation import simulate
     from taut.team import Replanned, Result, plan, replan
     from taut.validation import validate
 
@@ -148,6 +150,8 @@ __all__ = [
     "save_roadmap",
     "save_stages",
     "shortest_path",
+    "simulate",
+    "simulation",
     "smoothed",
     "travel",
     "validate",
@@ -224,6 +228,7 @@ if not TYPE_CHECKING:
             "widest_routes",
         ),
         "taut.scene": ("Circle", "Line", "Polygon", "Rectangle", "Robot", "Scene"),
+        "taut.simulation": ("simulate",),
         "taut.team": ("Replanned", "Result", "plan", "replan"),
         "taut.validation": ("validate",),
     }
@@ -236,7 +241,7 @@ if not TYPE_CHECKING:
             from importlib.metadata import version
 
             value: object = version("taut")
-        elif name in ("contact", "control", "graph"):
+        elif name in ("contact", "control", "graph", "simulation"):
             value = importlib.import_module(f"taut.{name}")
         elif name in _HOME_OF:
             value = getattr(importlib.import_module(_HOME_OF[name]), name)

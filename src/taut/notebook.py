@@ -14,6 +14,7 @@ SHOWN = (
     ("taut.route.core", "Route"),
     ("taut.route.central", "CentralRoute"),
     ("taut.route.oca", "OcaRoute"),
+    ("taut.simulation.running", "Run"),
     ("taut.team.stages", "FreeSpaceStage"),
     ("taut.team.stages", "ObstacleGraphStage"),
     ("taut.team.stages", "SplitStage"),

@@ -19,6 +19,7 @@ from taut.cli import (
     plan_commands,
     replan_command,
     scene_commands,
+    simulate_command,
     travel_command,
 )
 from taut.cli.output import printable, say_error
@@ -37,6 +38,7 @@ app = typer.Typer(
 app.command("plan")(plan_commands.plan)
 app.command("replan")(replan_command.replan)
 app.command("travel")(travel_command.travel)
+app.command("simulate")(simulate_command.simulate)
 app.command("verify")(plan_commands.verify)
 app.command("check")(scene_commands.check)
 app.command("show")(plan_commands.show)

@@ -78,6 +78,10 @@ def plan(
     sight: SightOption = False,
     connected: ConnectedOption = None,
     lambda2: Lambda2Option = None,
+    margin: Annotated[
+        Path | None,
+        typer.Option(metavar="STUDY", help="Leave the room that vehicles need by a study (taut simulate --seeds)."),
+    ] = None,
     stages: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write a figure, a text and a JSON record of every stage.")
     ] = None,
@@ -116,6 +120,10 @@ def plan(
 
     began = time.perf_counter()
     world = load_scene(scene)
+    room = []
+    if margin is not None:
+        world, said = _with_room(world, margin)
+        room.append(said)
     ground = roadmap if roadmap in list(RoadmapName) else load_roadmap(roadmap)
     with about(scene), progress(f"planning {len(world.robots)} robots") as tell:
         result = plan_team(
@@ -134,7 +142,7 @@ def plan(
             contact=demand,
         )
     report = plan_report(result.plan, result.certificate, list(result.shortest), list(result.detours))
-    report["notes"] = list(result.notes)
+    report["notes"] = [*result.notes, *room]
     report["elapsed"] = time.perf_counter() - began
     report["files"] = []
     if result.certificate.ok:
@@ -157,6 +165,18 @@ def plan(
             say(f"wrote {name}")
     if not result.certificate.ok:
         complain("the plan does not hold, see the problems above; nothing was written")
+
+
+def _with_room(world: Scene, study: Path) -> tuple[Scene, str]:
+    """Grow clearance and gap by the margin of a study; say by how much."""
+    from taut.simulation import load_margin, with_margin
+
+    found = load_margin(study)
+    said = (
+        f"clearance is {found.metres:.4g} m and the gap {2 * found.metres:.4g} m more than the scene asks, so that "
+        f"vehicles are safe in a run with probability {found.probability:.4g} ({study}, {found.runs} runs)"
+    )
+    return with_margin(world, found.metres), said
 
 
 def _names(values: Sequence[str], known: Sequence[str]) -> list[str]:

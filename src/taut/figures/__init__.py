@@ -6,15 +6,18 @@ from taut.figures.graphs import Portrait, draw_portraits, draw_values, save_port
 from taut.figures.pictures import draw
 from taut.figures.saving import png_bytes, save_figure, svg_text
 from taut.figures.searches import animate_search, draw_step, save_steps
+from taut.figures.simulation import animate_run, draw_run
 from taut.figures.spectra import draw_matrix, draw_sorted, draw_spectrum
 
 __all__ = [
     "Portrait",
     "animate",
+    "animate_run",
     "animate_search",
     "draw",
     "draw_matrix",
     "draw_portraits",
+    "draw_run",
     "draw_sorted",
     "draw_spectrum",
     "draw_step",

@@ -26,10 +26,10 @@ from taut.figures.movies import Frame, Palette, find_encoder, write_gif, write_m
 from taut.figures.pictures import end_handles, line_handle, shown_contacts, write_legend
 from taut.figures.plans import draw_paths, in_seconds, pale, route_of, within_reach
 from taut.figures.saving import any_letters, check_kind
-from taut.figures.style import INK, QUIET, darker, mix, robot_colours
+from taut.figures.style import INK, QUIET, Colour, darker, mix, robot_colours
 from taut.figures.teams import discs, draw_ends, mark_radius, visible_radii
 from taut.motion import Plan, Trajectory
-from taut.scene import FloatArray
+from taut.scene import FloatArray, Robot, Scene
 from taut.writing import replacing
 
 if TYPE_CHECKING:
@@ -78,49 +78,73 @@ def animate(
         Another extension, no ffmpeg, a place that cannot be written, numbers that make no film.
     """
     target = Path(path)
-    kind = check_kind(target, ("gif", "mp4"), "animations are written as")
-    if fps is None:
-        fps = 20.0 if len(plan.trajectories) <= MANY else 12.0
-    if not (0 < fps <= 100 and width >= 160 and (seconds is None or 0 < seconds <= 3600)):
-        raise OutputError("an animation needs fps in (0, 100], seconds in (0, 3600] and width ≥ 160 pixels")
-    encoder = find_encoder(target) if kind == "mp4" else ""
+    fps = frames_a_second(target, len(plan.trajectories), fps, seconds, width)
     view = scene_view(plan.scene)
     found = shown_contacts(plan, contact)
     plan = within_reach(plan, view)
     film = _film(plan, fps, seconds)
     axes = sheet(view, width / DPI, 1.15 * width / DPI)
-    with any_letters(), replacing(target) as scratch:
+    links = [] if found is None else [style.LINK, style.BRIDGE, style.APART]
+    with any_letters():
         render = _stage(axes, plan, film, found)
-        count = len(film.times)
-        if encoder:
-            write_mp4(scratch, _rendered(render, count), fps, HOLD, encoder)
-        else:
-            some = [render(k) for k in sorted({0, count // 4, count // 2, 3 * count // 4, count - 1})]
-            links = [] if found is None else [style.LINK, style.BRIDGE, style.APART]
-            palette = Palette(some, [*_plain_colours(len(plan.trajectories)), *links])
-            write_gif(scratch, _rendered(render, count), count, fps, HOLD, palette)
+        write_film(target, render, film, links)
 
 
 @dataclass(frozen=True)
-class _Film:
+class Film:
     """Everything that moves, for all frames: F frames, n robots."""
 
-    times: FloatArray  # (F,) seconds of the plan, may go beyond the last arrival
+    times: FloatArray  # (F,) seconds of the motion, may go beyond its end
     places: FloatArray  # (n, F, 2) metres
     headings: FloatArray  # (n, F, 2) unit vectors, zero for a robot that never moves
     presence: FloatArray  # (n, F) 1 there, 0 gone, between while it fades
     fps: float
-    pace: float  # seconds of the plan in one second of animation
+    pace: float  # seconds of the motion in one second of animation
+    until: float  # seconds at which the motion ends
 
 
-def _film(plan: Plan, fps: float, seconds: float | None) -> _Film:
-    makespan = plan.makespan
-    length = seconds if seconds is not None else min(makespan, LONGEST)
-    pace = makespan / length if length > 0 and makespan > 0 else 1.0
-    moving = max(1, round(length * fps)) if makespan > 0 else 0
-    fading = round(FADE * fps) + 1 if makespan > 0 else 0
-    times = np.linspace(0.0, makespan, moving + 1) if moving else np.zeros(1)
-    times = np.concatenate([times, makespan + pace / fps * np.arange(1, fading + 1)])
+def frames_a_second(target: Path, n: int, fps: float | None, seconds: float | None, width: int) -> float:
+    """Return the frames a second of a film of n robots, as asked for or else as suits them.
+
+    Raises
+    ------
+    OutputError
+        Another extension, no ffmpeg, numbers that make no film.
+    """
+    kind = check_kind(target, ("gif", "mp4"), "animations are written as")
+    if fps is None:
+        fps = 20.0 if n <= MANY else 12.0
+    if not (0 < fps <= 100 and width >= 160 and (seconds is None or 0 < seconds <= 3600)):
+        raise OutputError("an animation needs fps in (0, 100], seconds in (0, 3600] and width ≥ 160 pixels")
+    if kind == "mp4":
+        find_encoder(target)
+    return fps
+
+
+def frame_times(until: float, fps: float, seconds: float | None) -> tuple[FloatArray, float]:
+    """Return the times of the frames of a motion that ends at `until` seconds, and how many of them pass a second."""
+    length = seconds if seconds is not None else min(until, LONGEST)
+    pace = until / length if length > 0 and until > 0 else 1.0
+    moving = max(1, round(length * fps)) if until > 0 else 0
+    fading = round(FADE * fps) + 1 if until > 0 else 0
+    times = np.linspace(0.0, until, moving + 1) if moving else np.zeros(1)
+    return np.concatenate([times, until + pace / fps * np.arange(1, fading + 1)]), pace
+
+
+def write_film(target: Path, render: Callable[[int], Frame], film: Film, colours: Sequence[Colour]) -> None:
+    """Write the frames, beside their place and then renamed; these colours a .gif has exactly, with the usual ones."""
+    count = len(film.times)
+    with replacing(target) as scratch:
+        if target.suffix.lower() == ".mp4":
+            write_mp4(scratch, _rendered(render, count), film.fps, HOLD, find_encoder(target))
+        else:
+            some = [render(k) for k in sorted({0, count // 4, count // 2, 3 * count // 4, count - 1})]
+            palette = Palette(some, [*_plain_colours(len(film.places)), *colours])
+            write_gif(scratch, _rendered(render, count), count, film.fps, HOLD, palette)
+
+
+def _film(plan: Plan, fps: float, seconds: float | None) -> Film:
+    times, pace = frame_times(plan.makespan, fps, seconds)
     n = len(plan.trajectories)
     places = np.array([t.at(times) for t in plan.trajectories]).reshape(n, len(times), 2)
     headings = np.array([_headings(t, times) for t in plan.trajectories]).reshape(n, len(times), 2)
@@ -128,7 +152,7 @@ def _film(plan: Plan, fps: float, seconds: float | None) -> _Film:
     for k, (robot, trajectory) in enumerate(zip(plan.scene.robots, plan.trajectories, strict=True)):
         if not plan.scene.stays(robot):
             presence[k] = np.clip(1 - (times - trajectory.arrival) / (FADE * pace), 0, 1)
-    return _Film(times, places, headings, presence, fps, pace)
+    return Film(times, places, headings, presence, fps, pace, plan.makespan)
 
 
 def _headings(trajectory: Trajectory, times: FloatArray) -> FloatArray:
@@ -143,8 +167,17 @@ def _headings(trajectory: Trajectory, times: FloatArray) -> FloatArray:
     return np.asarray(units[np.maximum(last, 0)], dtype=np.float64)
 
 
-def _stage(axes: Axes, plan: Plan, film: _Film, found: Contacts | None) -> Callable[[int], Frame]:
+def _stage(axes: Axes, plan: Plan, film: Film, found: Contacts | None) -> Callable[[int], Frame]:
     """Draw the background once and return the function that renders frame k over it."""
+    draw_backdrop(axes, plan, _link_handles(found))
+    update, artists = cast(axes, plan.scene, film)
+    if found is not None:
+        update, artists = _with_links(axes, plan, film, found, update, artists)
+    return renderer(axes, update, artists)
+
+
+def draw_backdrop(axes: Axes, plan: Plan, handles: Sequence[Line2D]) -> None:
+    """Draw what does not move: the map, the planned paths pale, starts and goals; the handles end the legend."""
     scene, n = plan.scene, len(plan.trajectories)
     colours = robot_colours(n)
     draw_map(axes, scene)
@@ -154,11 +187,12 @@ def _stage(axes: Axes, plan: Plan, film: _Film, found: Contacts | None) -> Calla
     draw_paths(axes, routes, faint, width=1.1 if n <= FEW_NAMES else 0.7 if n <= 60 else 0.4)
     if n <= MANY:
         draw_ends(axes, scene, pale(colours))
-        write_legend(axes, [*end_handles(scene), *_link_handles(found)])
+        write_legend(axes, [*end_handles(scene), *handles])
     axes.set_title(scene.name, loc="left", fontsize=10.5, fontweight="bold", color=INK, pad=7, parse_math=False)
-    update, artists = _cast(axes, plan, film)
-    if found is not None:
-        update, artists = _with_links(axes, plan, film, found, update, artists)
+
+
+def renderer(axes: Axes, update: Callable[[int], None], artists: Sequence[Artist]) -> Callable[[int], Frame]:
+    """Return the function that renders frame k: what is drawn so far, and over it the artists as `update` sets them."""
     canvas: Any = axes.figure.canvas  # the stubs leave its methods without types
     canvas.draw()
     background = canvas.copy_from_bbox(axes.figure.bbox)
@@ -175,9 +209,9 @@ def _stage(axes: Axes, plan: Plan, film: _Film, found: Contacts | None) -> Calla
     return render
 
 
-def _cast(axes: Axes, plan: Plan, film: _Film) -> tuple[Callable[[int], None], list[Artist]]:
+def cast(axes: Axes, scene: Scene, film: Film) -> tuple[Callable[[int], None], list[Artist]]:
     """Create the artists that move; return the function that sets them for frame k, and them in drawing order."""
-    robots, n = plan.scene.robots, len(plan.trajectories)
+    robots, n = scene.robots, len(scene.robots)
     scale = points_per_metre(axes)
     colours = robot_colours(n)
     rgba = to_rgba_array(colours).reshape(n, 4)
@@ -194,7 +228,7 @@ def _cast(axes: Axes, plan: Plan, film: _Film) -> tuple[Callable[[int], None], l
     bodies.set_linewidth(0.7 if n <= 60 else 0.4)
     noses = LineCollection([], linewidths=1.3 if n <= 60 else 0.7, zorder=8.5)
     axes.add_collection(noses, autolim=False)
-    names = _names(axes, plan, radii * scale) if n <= FEW_NAMES else []
+    names = _names(axes, robots, radii * scale) if n <= FEW_NAMES else []
     inside = np.array([inside for _, inside, _ in names] or [False] * n, dtype=bool)
     clock = axes.set_title("", loc="right", fontsize=9, color=QUIET, pad=7)
     pace = "" if abs(film.pace - 1) < 0.005 else f"    {film.pace:.3g}× speed"
@@ -223,7 +257,7 @@ def _cast(axes: Axes, plan: Plan, film: _Film) -> tuple[Callable[[int], None], l
         for (text, _, aside), place, alpha in zip(names, here, there, strict=False):
             text.set_position((place[0] + aside, place[1] + aside))
             text.set_alpha(float(alpha))
-        clock.set_text(f"t = {in_seconds(min(film.times[k], plan.makespan))}{pace}")
+        clock.set_text(f"t = {in_seconds(min(film.times[k], film.until))}{pace}")
 
     moving: list[Artist] = [trail, bodies, noses, *(text for text, _, _ in names), clock]
     for artist in moving:
@@ -234,7 +268,7 @@ def _cast(axes: Axes, plan: Plan, film: _Film) -> tuple[Callable[[int], None], l
 def _with_links(
     axes: Axes,
     plan: Plan,
-    film: _Film,
+    film: Film,
     found: Contacts,
     update: Callable[[int], None],
     artists: list[Artist],
@@ -257,12 +291,12 @@ def _link_handles(found: Contacts | None) -> list[Line2D]:
     return [line_handle("link", style.LINK), line_handle("bridge: its loss splits the team", style.BRIDGE)]
 
 
-def _names(axes: Axes, plan: Plan, radii: FloatArray) -> list[tuple[Text, bool, float]]:
+def _names(axes: Axes, robots: Sequence[Robot], radii: FloatArray) -> list[tuple[Text, bool, float]]:
     """Return for each robot its text, whether that stands in the disc, and the metres by which it stands aside."""
     out: list[tuple[Text, bool, float]] = []
     scale = points_per_metre(axes)
     colours = robot_colours(len(radii))
-    for robot, radius, colour in zip(plan.scene.robots, radii, colours, strict=True):
+    for robot, radius, colour in zip(robots, radii, colours, strict=True):
         size = 7.0
         inside = float(np.hypot(*text_size(robot.name, size))) / 2 < 0.95 * radius
         text = axes.text(0, 0, robot.name, fontsize=size, fontweight="bold", zorder=9, clip_on=True, parse_math=False)

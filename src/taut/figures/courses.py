@@ -1,4 +1,4 @@
-"""The course of a team's λ2 over time, on strips under the map."""
+"""Courses over time on strips under the map, and on them the course of a team's λ2."""
 
 from __future__ import annotations
 
@@ -45,12 +45,14 @@ def add_course(axes: Axes, found: Contacts, until: float, time: float | None = N
     most = sorted(cuts, key=lambda robot: -float(np.diff(cuts[robot]).sum()))[:MOST_ROWS]
     rows = {robot: cuts[robot] for robot in sorted(most)}
     heights = [COURSE, ROW * len(rows)] if rows else [COURSE]
-    strips = _strips(axes, heights, until, [_shortened(found.names[robot]) for robot in rows])
+    strips = add_strips(axes, heights, until, [_shortened(found.names[robot]) for robot in rows])
     _draw_steps(strips[0], found, until)
     if rows:
         _draw_rows(strips[1], found, rows)
         more = f" ({len(rows)} of {len(cuts)})" if len(cuts) > len(rows) else ""
-        _title(strips[1], 0.0, f"cut vertices: robots whose loss would split the team{more}", f"cut vertices{more}")
+        title_strip(
+            strips[1], 0.0, f"cut vertices: robots whose loss would split the team{more}", f"cut vertices{more}"
+        )
     _mark_least(strips, found, until)
     if time is not None:
         for strip in strips:
@@ -66,7 +68,7 @@ def hand_over(axes: Axes, found: Contacts, until: float) -> tuple[Callable[[floa
     hand : its parts, to be drawn in this order.
     """
     until = until or 1.0
-    (strip,) = _strips(axes, [COURSE], until, [])
+    (strip,) = add_strips(axes, [COURSE], until, [])
     _draw_steps(strip, found, until)
     low = strip.get_ylim()[0]
     values, apart = found.fiedler, _apart(found)
@@ -87,15 +89,32 @@ def hand_over(axes: Axes, found: Contacts, until: float) -> tuple[Callable[[floa
     return point, hand
 
 
-def _strips(axes: Axes, heights: Sequence[float], until: float, names: Sequence[str]) -> list[Axes]:
-    """Add axes from 0 to `until` seconds under the map, that many inches high, with room for names on their left."""
+def lengthen(axes: Axes, extra: float) -> float:
+    """Add so many inches to the sheet under the map, which keeps its size; return how high the sheet is now."""
     figure: Any = axes.figure
     wide, high = figure.get_size_inches()
     x0, y0, across, down = axes.get_position(original=True).bounds
-    extra = sum(heights) + ROOM * len(heights) + FOOT
-    whole = high + extra
+    whole = float(high + extra)
     figure.set_size_inches(wide, whole)
     axes.set_position((x0, (y0 * high + extra) / whole, across, down * high / whole))
+    return whole
+
+
+def add_strips(axes: Axes, heights: Sequence[float], until: float, names: Sequence[str]) -> list[Axes]:
+    """Make the sheet longer, and add axes from 0 to `until` seconds under the map.
+
+    Parameters
+    ----------
+    axes : the map, on a sheet of its own.
+    heights : of the strips, inches, from the top down.
+    until : seconds.
+    names : texts that need room on the left of the strips.
+    """
+    figure: Any = axes.figure
+    wide, _ = figure.get_size_inches()
+    x0, _, across, _ = axes.get_position(original=True).bounds
+    extra = sum(heights) + ROOM * len(heights) + FOOT
+    whole = lengthen(axes, extra)
     named = max((text_size(name, NAME_SIZE)[0] for name in names), default=0.0) / 72
     left = max(x0, named / wide)
     out: list[Axes] = []
@@ -116,8 +135,8 @@ def _strips(axes: Axes, heights: Sequence[float], until: float, names: Sequence[
     return out
 
 
-def _title(strip: Axes, room: float, *texts: str) -> None:
-    """Write the first of the texts that leaves so many points of the strip's width free, else the last."""
+def title_strip(strip: Axes, room: float, *texts: str) -> None:
+    """Write over a strip the first of the texts that leaves `room` points of its width free, else the last."""
     wide = size_in_points(strip)[0] - room
     text = next((text for text in texts if text_size(text, TITLE_SIZE)[0] < wide), texts[-1])
     strip.set_title(text, loc="left", fontsize=TITLE_SIZE, fontweight="bold", color=INK, pad=4)
@@ -145,7 +164,7 @@ def _draw_steps(strip: Axes, found: Contacts, until: float) -> None:
     for begin, end in np.minimum(losses(found), until).tolist():
         strip.axvspan(begin, end, facecolor=APART, edgecolor=BRIDGE, linewidth=0.8, zorder=2.5)
     within = f"λ2, links within {found.reach:.4g} m"
-    _title(strip, SAID, f"{within} and in sight" if found.sight else within, within, "λ2")
+    title_strip(strip, SAID, f"{within} and in sight" if found.sight else within, within, "λ2")
 
 
 def _mark_least(strips: Sequence[Axes], found: Contacts, until: float) -> None:

@@ -57,7 +57,7 @@ def draw(
     routes: Mapping[str, Any] | None = None,
     contact: Contact | float | None = None,
 ) -> Axes:
-    """Draw a scene, plan, roadmap, free space or route in metres.
+    """Draw a scene, plan, roadmap, free space, route or simulated run in metres.
 
     A plan that claims contact, or is drawn with `contact`, is shown at the instant at which the team's λ2 is least: the
     links between its robots, the bridges and cut vertices of that graph in red, and, on a figure of its own, how λ2
@@ -66,7 +66,7 @@ def draw(
     Parameters
     ----------
     value : Scene, Plan, a result with a `plan`, a stage of planning, Roadmap (`positions` (n, 2) and `edges` (m, 2)),
-        FreeSpace (`region`, a shapely geometry) or Route (`points` (k, 2)).
+        FreeSpace (`region`, a shapely geometry), Route (`points` (k, 2)) or Run (see `draw_run`).
     ax : matplotlib Axes to draw on; a new figure of fitting size if None (it does not touch pyplot).
     graph : anything with `positions` and `edges`, drawn thin and grey under robots and paths.
     time : seconds; shows the robots of a plan as solid discs where they are then.
@@ -81,14 +81,14 @@ def draw(
     ------
     TypeError
         A value of another kind, `time` or `contact` with anything but a plan, `routes` with anything but a scene,
-        `graph` with a stage or with routes.
+        `graph` with a stage, a run or with routes.
     ValueError
         A route of a robot that the scene does not have.
     OutputError
         Coordinates with which no picture can be made.
     """
-    stage = _is_stage(value)
-    if not stage:
+    stage, run = _is_stage(value), _is_run(value)
+    if not (stage or run):
         value = getattr(value, "plan", value)
     if time is not None and not isinstance(value, Plan):
         raise TypeError(f"time= needs a Plan, got {type(value).__name__}")
@@ -96,8 +96,12 @@ def draw(
         raise TypeError(f"contact= needs a Plan, got {type(value).__name__}")
     if routes is not None and not (isinstance(value, Scene) and graph is None):
         raise TypeError(f"routes= needs a Scene and no graph=, got {type(value).__name__}")
-    if graph is not None and stage:
-        raise TypeError(f"graph= does not go with a {type(value).__name__}, which shows its own graph")
+    if graph is not None and (stage or run):
+        raise TypeError(f"graph= does not go with a {type(value).__name__}" + ", which shows its own graph" * stage)
+    if run:
+        from taut.figures.simulation import draw_run
+
+        return draw_run(value, ax)
     view = _view(value)
     own = ax is None
     if ax is None:
@@ -145,6 +149,10 @@ def shown_contacts(plan: Plan, contact: Contact | float | None) -> Contacts | No
 def _is_stage(value: Any) -> bool:
     # by where it comes from: importing the planner to draw a map would cost a second
     return type(value).__module__ == "taut.team.stages"
+
+
+def _is_run(value: Any) -> bool:
+    return type(value).__module__ == "taut.simulation.running" and hasattr(value, "plan")
 
 
 def _is_central(value: Any) -> bool:

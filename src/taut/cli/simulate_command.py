@@ -1,0 +1,327 @@
+"""The command simulate: real vehicles follow a plan, once with all there is to tell, or many times as a study."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from taut.cli.options import AnimateOption, FigureOption, JsonOption
+from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
+from taut.cli.pictures import require_pictures
+from taut.cli.tables import say_table
+
+if TYPE_CHECKING:
+    from taut.motion import Plan
+    from taut.simulation import Disturbances, Lidar, Run, Study
+
+FEW_ROBOTS = 10  # of more only the worst are told without being asked for
+MISSING = "–"
+
+
+class VehicleKind(StrEnum):
+    """What the robots drive."""
+
+    differential = "differential"
+    unicycle = "unicycle"
+    ackermann = "ackermann"
+    integrator = "integrator"
+
+
+def simulate(
+    plan: Annotated[str, typer.Argument(metavar="PLAN", help="A plan file.")],
+    vehicle: Annotated[VehicleKind, typer.Option(help="What the robots drive.")] = VehicleKind.differential,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of everything random; of a study the first.")] = 0,
+    no_coordination: Annotated[
+        bool, typer.Option("--no-coordination", help="Robots keep to the clock, whoever is late.")
+    ] = False,
+    speed_error: Annotated[
+        float, typer.Option(metavar="E", help="Each robot's speed is wrong by up to so much of it, like 0.2.")
+    ] = 0.0,
+    stops: Annotated[float, typer.Option(metavar="RATE", help="Random stops of each robot a second.")] = 0.0,
+    stop_seconds: Annotated[float, typer.Option(metavar="S", help="Mean length of a random stop.")] = 2.0,
+    slow: Annotated[
+        list[str] | None, typer.Option(metavar="NAME@F", help="A robot that reaches only F of its top speed, like 0.5.")
+    ] = None,
+    dies: Annotated[
+        list[str] | None, typer.Option(metavar="NAME@T", help="A robot that stops for good at T seconds.")
+    ] = None,
+    position_noise: Annotated[
+        float, typer.Option(metavar="M", help="Robots know their place up to so much (σ, metres).")
+    ] = 0.0,
+    heading_noise: Annotated[
+        float, typer.Option(metavar="RAD", help="Robots know their heading up to so much (σ, radians).")
+    ] = 0.0,
+    slip: Annotated[float, typer.Option(metavar="S", help="Wheels slip by so much of their speed (σ).")] = 0.0,
+    lidar: Annotated[bool, typer.Option("--lidar", help="Robots look around with 181 beams over 180°, 10 m.")] = False,
+    step: Annotated[float, typer.Option(metavar="S", help="Seconds of a step.")] = 0.02,
+    robots: Annotated[
+        bool, typer.Option("--robots", help=f"Tell of every robot, also of more than {FEW_ROBOTS}.")
+    ] = False,
+    after: Annotated[
+        Path | None, typer.Option(metavar="SCENE", help="Write the scene as it stands at the end, to plan on from.")
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option(min=1, max=10_000_000, metavar="N", help="A study: N runs on all cores.")
+    ] = None,
+    probability: Annotated[
+        float, typer.Option(metavar="P", help="Of a study: the margin is kept in a run with probability P.")
+    ] = 0.999,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="STUDY", help="Write the study (.json, .jsonl).")
+    ] = None,
+    figure: FigureOption = None,
+    animate: AnimateOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Let vehicles follow a plan in a closed loop: errors, collisions, delays; or many times: the margin they need."""
+    never = Path(plan)
+    _check_options(seeds, output, {"--lidar": lidar, "--after": after, "--figure": figure, "--animate": animate})
+    require_writable(output, "a study", (".json", ".jsonl"), never)
+    require_writable(after, "a scene", (".yaml", ".yml", ".json"), never)
+    require_pictures(figure, animate, False, never)
+
+    from taut.formats import load_plan
+    from taut.simulation import Disturbances, Lidar
+
+    met = Disturbances(
+        speed_error=speed_error,
+        stops=stops,
+        stop_seconds=stop_seconds,
+        slow=_by_name(slow, "--slow"),
+        dies=_by_name(dies, "--dies"),
+        position_noise=position_noise,
+        heading_noise=heading_noise,
+        slip=slip,
+    )
+    followed = load_plan(plan)
+    if seeds is not None:
+        _study(plan, followed, vehicle, seed, seeds, met, not no_coordination, step, probability, output, as_json)
+        return
+    looking = Lidar() if lidar else None
+    _once(
+        plan, followed, vehicle, seed, met, not no_coordination, looking, step, robots, after, figure, animate, as_json
+    )
+
+
+def _check_options(seeds: int | None, output: Path | None, single: dict[str, object]) -> None:
+    if seeds is None and output is not None:
+        raise typer.BadParameter("writes a study: give --seeds N too", param_hint="-o")
+    if seeds is not None:
+        for option, given in single.items():
+            if given:
+                raise typer.BadParameter("belongs to a single run, not to --seeds", param_hint=option)
+
+
+def _by_name(given: Sequence[str] | None, option: str) -> dict[str, float]:
+    """Read NAME@NUMBER; a name may hold an @ itself."""
+    out: dict[str, float] = {}
+    for text in given or ():
+        name, at, number = text.rpartition("@")
+        try:
+            value = float(number)
+        except ValueError:
+            value = math.nan
+        if not (at and name and math.isfinite(value)):
+            raise typer.BadParameter(f"must be a name, @ and a number, like R2@10; got {text!r}", param_hint=option)
+        out[name] = value
+    return out
+
+
+def _once(
+    source: str,
+    plan: Plan,
+    vehicle: str,
+    seed: int,
+    met: Disturbances,
+    coordination: bool,
+    lidar: Lidar | None,
+    step: float,
+    each: bool,
+    after: Path | None,
+    figure: Path | None,
+    animate: Path | None,
+    as_json: bool,
+) -> None:
+    from taut.formats import save
+    from taut.simulation import run_data, scene_from
+    from taut.simulation import simulate as follow
+
+    with about(source), progress(f"simulating {len(plan.trajectories)} robots"):
+        run = follow(plan, str(vehicle), seed, met, coordination, lidar, step)
+    report = {**run_data(run), "files": _pictures(run, figure, animate)}
+    if after is not None:
+        save(scene_from(run), after)
+        report["files"].append(str(after))
+    if as_json:
+        say_json(report)
+    else:
+        _say_run(run, report, each or len(run.names) <= FEW_ROBOTS)
+        for name in report["files"]:
+            say(f"wrote {name}")
+    hits, missing = len(run.collisions), len(report["stopped"])
+    if hits or missing:
+        wrong = [f"{hits} collision{'s' * (hits != 1)}"] * bool(hits)
+        wrong += [f"{missing} robot{'s' * (missing != 1)} did not arrive"] * bool(missing)
+        more = "; --after SCENE writes the scene to plan on from" if missing and after is None else ""
+        complain(f"{source}: {' and '.join(wrong)}{more}")
+
+
+def _pictures(run: Run, figure: Path | None, animate: Path | None) -> list[str]:
+    written = []
+    if figure is not None:
+        from taut.figures import save_figure
+
+        with progress(f"drawing {figure}"):
+            save_figure(run, figure)
+        written.append(str(figure))
+    if animate is not None:
+        from taut.figures.simulation import animate_run
+
+        with progress(f"drawing {animate}"):
+            animate_run(run, animate)
+        written.append(str(animate))
+    return written
+
+
+def _say_run(run: Run, report: dict[str, Any], each: bool) -> None:
+    told = report["robots"]
+    if not each:
+        told = sorted(told, key=lambda r: (not r["collisions"], r["stopped"] is None, -r["cross_track"]))[:FEW_ROBOTS]
+    rows = [
+        [
+            robot["name"],
+            _shown(robot["arrival"], ".2f"),
+            _shown(robot["late"], ".2f"),
+            f"{1000 * robot['cross_track']:.1f}",
+            f"{1000 * robot['cross_track_rms']:.1f}",
+            _shown(_distance(robot["clearance"]), ".3f"),
+            _shown(_distance(robot["separation"]), ".3f"),
+            f"{robot['distance']:.2f}",
+            f"{math.degrees(robot['turned']):.0f}",
+            f"{robot['energy']:.1f}",
+            _waited(robot),
+        ]
+        for robot in told
+    ]
+    heads = [
+        "robot", "arrival (s)", "late (s)", "off (mm)", "rms (mm)", "clear (m)", "apart (m)", "way (m)", "turns (°)",
+        "energy (J/kg)", "waited for",
+    ]  # fmt: skip
+    say_table(heads, rows, left=("robot", "waited for"))
+    if len(told) < len(run.names):
+        say(f"(the worst {len(told)} of {len(run.names)}; --robots tells of all)")
+    say()
+    link = report["contact"]
+    last = MISSING if report["makespan"] is None else f"{report['makespan']:.6g} s"
+    facts = [
+        ("arrived", f"{report['arrived']} of {len(run.names)}"),
+        ("makespan", f"{last}, planned {report['planned']:.6g} s"),
+        ("off the path", f"{1000 * max((r['cross_track'] for r in report['robots']), default=0.0):.1f} mm at most"),
+        ("waiting", f"{report['lost']:.4g} s lost by all robots together"),
+        ("collisions", str(len(run.collisions)) if run.collisions else "none"),
+    ]
+    if link is not None:
+        lost = f"lost {len(link['lost'])} times" if link["lost"] else "kept throughout"
+        facts.append(("contact", f"{lost}, least λ2 {link['least']:.6g} at t = {link['time']:.6g} s"))
+    say_facts(facts)
+    hits = [
+        [
+            hit.robot,
+            hit.other,
+            f"{hit.time:.2f}",
+            f"({hit.place[0]:.3f}, {hit.place[1]:.3f})",
+            f"{1000 * hit.depth:.1f}",
+        ]
+        for hit in run.collisions
+    ]
+    if hits:
+        say()
+        say_table(["robot", "hit", "at (s)", "near", "depth (mm)"], hits, left=("robot", "hit", "near"))
+    if report["stopped"]:
+        say()
+        say_table(["stopped", "why"], [list(row) for row in report["stopped"].items()], left=("stopped", "why"))
+
+
+def _study(
+    source: str,
+    plan: Plan,
+    vehicle: str,
+    first: int,
+    count: int,
+    met: Disturbances,
+    coordination: bool,
+    step: float,
+    probability: float,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    from taut.simulation import save_study, study, study_summary
+
+    with about(source), progress("simulating") as tell:
+        found = study(
+            plan,
+            range(first, first + count),
+            str(vehicle),
+            met,
+            coordination,
+            step,
+            probability,
+            tell=lambda done: tell(f"{done} of {count} runs"),
+        )
+    if output is not None:
+        save_study(found, output)
+    if as_json:
+        for trial in found.trials:
+            print(json.dumps(vars(trial), allow_nan=False))
+        print(json.dumps(study_summary(found), allow_nan=False))
+    else:
+        _say_study(found, probability)
+        if output is not None:
+            say(f"wrote {output}")
+
+
+def _say_study(found: Study, probability: float) -> None:
+    from taut.simulation import runs_needed
+
+    least, median, greatest = found.makespans
+    count, margin = len(found.trials), found.margin
+    near = [trial.separation for trial in found.trials if trial.separation is not None]
+    close = [trial.clearance for trial in found.trials if trial.clearance is not None]
+    say_facts(
+        [
+            ("runs", f"{count}, all robots arrived in {found.complete}, collisions in {found.collided}"),
+            ("makespan", f"{median:.4g} s ({least:.4g} to {greatest:.4g}), planned {found.planned:.4g} s"),
+            ("least clearance", f"{min(close):.4g} m" if close else MISSING),
+            ("least separation", f"{min(near):.4g} m" if near else MISSING),
+            (
+                "margin",
+                f"{margin.metres:.4g} m, kept in a run with probability {margin.probability:.4g} "
+                f"(confidence {margin.confidence:g}, order statistics)",
+            ),
+        ]
+    )
+    if margin.probability < probability:
+        needed = runs_needed(probability, margin.confidence)
+        say(f"note: {count} runs are too few for {probability:g}; it takes {needed:,}")
+
+
+def _waited(robot: dict[str, Any]) -> str:
+    if robot["stopped"]:
+        return str(robot["stopped"])
+    longest = sorted(robot["waited_for"].items(), key=lambda pair: -pair[1])
+    told = [f"{name} ({lost:.1f} s)" for name, lost in longest[:2]]
+    return ", ".join(told) + (f" and {len(longest) - 2} more" if len(longest) > 2 else "")
+
+
+def _distance(nearest: dict[str, Any] | None) -> float | None:
+    return None if nearest is None else nearest["distance"]
+
+
+def _shown(value: float | None, form: str) -> str:
+    return MISSING if value is None else format(value, form)

@@ -1,0 +1,444 @@
+"""Kernels of the tracker: the course of a plan, progress along it, and the commands that keep to it.
+
+Tables have a row a robot. ``state`` is x, y, θ, v, ω, φ; ``params`` is top speed, top turn rate, acceleration, turn
+acceleration, wheel radius, track or wheelbase, top wheel speed or top steering angle, steering rate. ``tuning`` is
+gain, slack, leash, tolerance, aligned, hurry, cutting, see `taut.control.tracking.Tracking`. A course has a row a
+stamp, the columns below; robot i owns rows ``first[i]`` to ``first[i + 1]``. ``leg`` (n,) is the row at which each
+robot's present leg begins, ``pace`` (n,) the speed of its reference in metres a second, ``trim`` (n,) what its speed
+was found to lack, as a share.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taut.team._lean import lean_kernel
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+INTEGRATOR, UNICYCLE, DIFFERENTIAL, ACKERMANN = 0, 1, 2, 3
+
+TIME, X, Y, TO_X, TO_Y, SPEED, LIMIT, LENGTH = range(8)
+"""Columns: when and where, direction of the leg that begins here (a rest: of the next move), its speed in the plan,
+the greatest speed of the reference here, metres of the leg."""
+COLUMNS = 8
+
+GAIN, SLACK, LEASH, TOLERANCE, ALIGNED, HURRY, CUTTING = range(7)
+"""Columns of the tuning."""
+
+_MOST_TRIM = 0.35
+_SHARE = 0.7  # of the acceleration is planned with; the rest is for feedback and turning
+_FASTEST = 0.95  # of the top speed: who follows must be able to catch up
+_CREEPING = 0.1  # of its speed: a reference that would pass a corner slower stops there
+_STEADY = 10.0  # tolerances: a deviation by one turns the aim by at most a tenth of a radian in motion
+_BACK = 10.0  # tolerances: over so many back is nearer than round
+_DRIFT = 3.0  # tolerances
+_STANDING = 0.02  # steps of braking: a speed that is none
+_STRAIGHT = 1e-12  # radians that are rounding
+_SLIGHT = 0.2  # radians that a truck takes at full speed
+_HARDEST = 100.0  # 1/s: braking from top speed in a hundredth of a second is as good as at once
+
+
+@lean_kernel
+def lay_courses(stamps: Floats, first: Ints, kinds: Ints, params: Floats, tuning: Floats, course: Floats) -> None:
+    """Write the course of every robot from the stamps (S, 3) of all."""
+    for i in range(len(first) - 1):
+        begin, end = first[i], first[i + 1]
+        for k in range(begin, end):
+            course[k, TIME], course[k, X], course[k, Y] = stamps[k, 0], stamps[k, 1], stamps[k, 2]
+        _measure_legs(begin, end, course)
+        _limit_speeds(i, begin, end, kinds[i], params, tuning, course)
+
+
+@lean_kernel
+def advance(
+    i: int, kinds: Ints, params: Floats, tuning: Floats, state: Floats, course: Floats, first: Ints, leg: Ints,
+    pace: Floats, progress: Floats, bound: float, clock: float, dt: float,
+) -> None:  # fmt: skip
+    """Move progress σ and pace of robot i on by dt seconds, up to ``bound`` and the ``clock`` at the end of the step.
+
+    Progress waits at corners and at the ends of rests until the vehicle stands there and looks along the next leg.
+    """
+    latest = min(bound, clock)
+    sigma = progress[i]
+    end = first[i + 1]
+    k = _leg_at(leg[i], end, course, sigma)
+    left = dt
+    while k + 1 < end and sigma < latest and left > 0.0:
+        if sigma == course[k, TIME] and not _ready(i, kinds[i], params, tuning, state, course, k, dt):
+            pace[i] = 0.0
+            break
+        until = min(course[k + 1, TIME], latest)
+        speed = course[k, SPEED]
+        if speed == 0.0:
+            pace[i] = 0.0
+            rate = tuning[i, HURRY]
+        else:
+            before = pace[i]
+            pace[i] = _pace(i, params, tuning, state, course, end, k, sigma, bound, clock, before, left)
+            rate = 0.5 * (before + pace[i]) / speed
+            if rate <= 0.0:
+                break
+        needed = (until - sigma) / rate
+        if needed > left:
+            sigma += rate * left
+            break
+        left -= needed
+        sigma = until
+        k = _leg_at(k, end, course, sigma)
+    stands = sigma == course[k, TIME] and course[k, LIMIT] == 0.0
+    if stands or sigma >= bound:
+        pace[i] = 0.0
+    progress[i], leg[i] = sigma, k
+
+
+@lean_kernel
+def command(
+    i: int, kinds: Ints, params: Floats, tuning: Floats, state: Floats, course: Floats, first: Ints, leg: Ints,
+    pace: Floats, trim: Floats, progress: Floats, dt: float, out: Floats,
+) -> None:  # fmt: skip
+    """Write what robot i is to do for the next dt seconds into its row of ``out`` (n, 2), and learn its trim.
+
+    The row is forward speed and turn rate, or the velocity of an integrator.
+    """
+    k, speed = leg[i], pace[i]
+    x, y = _reference(course, first[i + 1], k, progress[i])
+    to_x, to_y, heading = course[k, TO_X], course[k, TO_Y], state[i, 2]
+    # the reference is where it will be after the step, the vehicle where it is before
+    ahead_x = x - speed * dt * to_x - state[i, 0]
+    ahead_y = y - speed * dt * to_y - state[i, 1]
+    distance = math.hypot(ahead_x, ahead_y)
+    gain, tolerance = tuning[i, GAIN], tuning[i, TOLERANCE]
+    pull = _approach(distance, gain, (1.0 - _SHARE) * params[i, 2]) / distance if distance > 0.0 else 0.0
+    wish_x, wish_y = speed * to_x + pull * ahead_x, speed * to_y + pull * ahead_y
+    forward = wish_x * math.cos(heading) + wish_y * math.sin(heading)
+    _learn(i, kinds[i], params, gain, state, wish_x, wish_y, forward, speed, ahead_x * to_x + ahead_y * to_y, trim, dt)
+    more = 1.0 + trim[i]
+    if kinds[i] == INTEGRATOR:
+        out[i, 0], out[i, 1] = more * wish_x, more * wish_y
+    elif kinds[i] == ACKERMANN:
+        _command_truck(
+            i, params, tuning, state, course, first[i + 1], k, progress[i], speed, more, ahead_x, ahead_y, out
+        )
+    elif speed == 0.0 and _has_reached(i, params, tuning, state, distance, dt):
+        out[i, 0] = out[i, 1] = 0.0
+        # first stop, then turn; who never moves has no direction to turn to
+        if abs(state[i, 3]) <= _STANDING * params[i, 2] * dt and (to_x != 0.0 or to_y != 0.0):
+            out[i, 1] = _turn_rate(i, params, gain, _angle_to(heading, to_x, to_y), _SHARE)
+    else:
+        # slow, it would turn far for a small deviation
+        least = max(speed, _STEADY * gain * tolerance) if speed > 0.0 else 0.0
+        aim_x, aim_y = least * to_x + pull * ahead_x, least * to_y + pull * ahead_y
+        if distance > _BACK * tolerance:
+            forward = max(forward, 0.0)
+        elif aim_x * math.cos(heading) + aim_y * math.sin(heading) < 0.0:
+            aim_x, aim_y = -aim_x, -aim_y
+        off = _angle_to(heading, aim_x, aim_y)
+        out[i, 0] = more * forward
+        out[i, 1] = _turn_rate(i, params, gain, off, _SHARE if speed == 0.0 else 1.0 - _SHARE)
+
+
+@lean_kernel
+def _learn(
+    i: int, kind: int, params: Floats, gain: float, state: Floats, wish_x: float, wish_y: float, forward: float,
+    speed: float, lag: float, trim: Floats, dt: float,
+) -> None:  # fmt: skip
+    """Adapt the trim to the lag, critically damped at top speed, while the wheels do what is asked."""
+    more = 1.0 + trim[i]
+    if kind == INTEGRATOR:
+        lacking = math.hypot(more * wish_x - state[i, 3], more * wish_y - state[i, 4])
+    else:
+        lacking = abs(more * forward - state[i, 3])
+    if speed > 0.0 and lacking <= 0.5 * params[i, 2] * dt:
+        top = params[i, 0]
+        learnt = trim[i] + 0.25 * gain * gain * lag * speed / (top * top) * dt
+        trim[i] = min(max(learnt, -_MOST_TRIM), _MOST_TRIM)
+
+
+@lean_kernel
+def slowed(lag: float, slack: float, leash: float) -> float:
+    """Share of its speed that the reference keeps at a lag in metres: 1 up to ``slack``, 0 from ``leash`` on."""
+    if lag <= slack:
+        return 1.0
+    return max((leash - lag) / (leash - slack), 0.0)
+
+
+@lean_kernel
+def _measure_legs(begin: int, end: int, course: Floats) -> None:
+    to_x, to_y = 0.0, 0.0
+    for k in range(begin, end - 1):
+        to_x, to_y = course[k + 1, X] - course[k, X], course[k + 1, Y] - course[k, Y]
+        length = math.hypot(to_x, to_y)
+        course[k, LENGTH] = length
+        course[k, SPEED] = length / (course[k + 1, TIME] - course[k, TIME])
+        if length > 0.0:
+            course[k, TO_X], course[k, TO_Y] = to_x / length, to_y / length
+        else:
+            course[k, TO_X], course[k, TO_Y] = 0.0, 0.0
+    last = end - 1
+    course[last, LENGTH] = course[last, SPEED] = 0.0
+    course[last, TO_X] = course[last, TO_Y] = 0.0
+    for k in range(end - 2, begin - 1, -1):
+        if course[k, LENGTH] == 0.0:
+            course[k, TO_X], course[k, TO_Y] = course[k + 1, TO_X], course[k + 1, TO_Y]
+    for k in range(begin + 1, end):
+        if course[k, TO_X] == 0.0 and course[k, TO_Y] == 0.0:
+            course[k, TO_X], course[k, TO_Y] = course[k - 1, TO_X], course[k - 1, TO_Y]
+
+
+@lean_kernel
+def _limit_speeds(i: int, begin: int, end: int, kind: int, params: Floats, tuning: Floats, course: Floats) -> None:
+    """Speed at every stamp: what its bend and those soon after it allow, and what can be braked before the next."""
+    for k in range(begin, end):
+        inside = begin < k < end - 1 and course[k, SPEED] > 0.0 and course[k - 1, SPEED] > 0.0
+        course[k, LIMIT] = 0.0
+        if inside:
+            course[k, LIMIT] = _bend_speed(i, kind, params, tuning, abs(_bend_at(course, k)), 0.0)
+            slow = course[k, LIMIT] < _CREEPING * min(course[k - 1, SPEED], course[k, SPEED])
+            if slow and kind != ACKERMANN:
+                course[k, LIMIT] = 0.0
+    reach = params[i, 0] * _turning_seconds(i, kind, params, tuning, math.pi)
+    for a in range(begin + 1, end - 1):
+        if course[a, LIMIT] > 0.0 and abs(_bend_at(course, a)) > _STRAIGHT:
+            _limit_window(i, a, end, kind, params, tuning, reach, course)
+    for k in range(end - 2, begin - 1, -1):
+        after = course[k + 1, LIMIT]
+        braked = math.sqrt(after * after + 2.0 * _brake(i, params) * course[k, LENGTH])
+        course[k, LIMIT] = min(course[k, LIMIT], braked)
+
+
+@lean_kernel
+def _limit_window(
+    i: int, a: int, end: int, kind: int, params: Floats, tuning: Floats, reach: float, course: Floats
+) -> None:
+    """Limit the speed where bends from row a on follow so soon on each other that they are one turn to the vehicle."""
+    bend, metres = abs(_bend_at(course, a)), 0.0
+    for m in range(a + 1, end - 1):
+        metres += course[m - 1, LENGTH]
+        if metres > reach or course[m, LIMIT] == 0.0:
+            break
+        bend += abs(_bend_at(course, m))
+        speed = _bend_speed(i, kind, params, tuning, bend, metres)
+        for k in range(a, m + 1):
+            course[k, LIMIT] = min(course[k, LIMIT], speed)
+
+
+@lean_kernel
+def _bend_at(course: Floats, k: int) -> float:
+    """Radians by which the leg of row k turns from the one before."""
+    cross = course[k - 1, TO_X] * course[k, TO_Y] - course[k - 1, TO_Y] * course[k, TO_X]
+    return math.atan2(cross, course[k - 1, TO_X] * course[k, TO_X] + course[k - 1, TO_Y] * course[k, TO_Y])
+
+
+@lean_kernel
+def _brake(i: int, params: Floats) -> float:
+    """Deceleration that the reference is planned with."""
+    return float(min(_SHARE * params[i, 2], _HARDEST * params[i, 0]))
+
+
+@lean_kernel
+def _bend_speed(i: int, kind: int, params: Floats, tuning: Floats, bend: float, metres: float) -> float:
+    """Greatest speed at which bends of so many radians, over so many metres, are taken within ``cutting`` of them."""
+    if bend <= _STRAIGHT:
+        return math.inf
+    cutting = tuning[i, CUTTING]
+    if kind == INTEGRATOR:
+        # a corner changes the velocity by 2 v sin(β/2), and half of what passes meanwhile is cut; an arc needs v² β / ℓ
+        half = math.sin(0.5 * min(bend, math.pi))
+        return math.sqrt(params[i, 2] * (0.5 * cutting / (half * half) + _SHARE * metres / bend))
+    if kind == ACKERMANN:
+        radius = _turning_radius(i, params)
+        return math.inf if bend < _SLIGHT or metres > radius * bend else _slow(i, params)
+    corner = 2.0 * cutting / (bend * _turning_seconds(i, kind, params, tuning, bend))
+    if metres == 0.0:
+        return float(corner)
+    # an arc of radius R is left by v² / (4 g² R), as the heading lags by v / (4 g R), and where it begins by about
+    # v (v / R)² / (2 g α), as the turning needs v / (R α) seconds to begin
+    radius, gain, quickening = metres / bend, tuning[i, GAIN], (1.0 - _SHARE) * params[i, 3]
+    steady = 2.0 * gain * math.sqrt(cutting * radius)
+    begun = (2.0 * gain * quickening * cutting * radius * radius) ** (1.0 / 3.0)
+    return math.hypot(corner, min(steady, begun, _SHARE * params[i, 1] * radius))
+
+
+@lean_kernel
+def _turning_seconds(i: int, kind: int, params: Floats, tuning: Floats, bend: float) -> float:
+    """Seconds that a turn by so many radians takes, the delay of the control included."""
+    if kind == INTEGRATOR:
+        return float(bend * params[i, 0] / params[i, 2])
+    if kind == ACKERMANN:
+        return float(bend * _turning_radius(i, params) / params[i, 0])
+    rate, quickening = params[i, 1], (1.0 - _SHARE) * params[i, 3]
+    # up to the top turn rate and down again, or not as far as to it
+    seconds = bend / rate + rate / quickening
+    if bend < rate * rate / quickening:
+        seconds = 2.0 * math.sqrt(bend / quickening)
+    return float(seconds + 0.5 / tuning[i, GAIN])
+
+
+@lean_kernel
+def _slow(i: int, params: Floats) -> float:
+    """Speed at which a truck steers fully in half the way of its turning radius."""
+    return float(min(0.5 * _turning_radius(i, params) * params[i, 7] / params[i, 6], params[i, 0]))
+
+
+@lean_kernel
+def _leg_at(k: int, end: int, course: Floats, sigma: float) -> int:
+    """Row of the leg that holds plan time σ, from row k on; at a stamp the leg that begins there."""
+    while k + 1 < end and course[k + 1, TIME] <= sigma:
+        k += 1
+    return k
+
+
+@lean_kernel
+def _reference(course: Floats, end: int, k: int, sigma: float) -> tuple[float, float]:
+    """Place planned for plan time σ on the leg of row k."""
+    if k + 1 >= end or course[k, LENGTH] == 0.0:
+        return course[k, X], course[k, Y]
+    share = (sigma - course[k, TIME]) / (course[k + 1, TIME] - course[k, TIME])
+    share = min(max(share, 0.0), 1.0)
+    x = course[k, X] + share * (course[k + 1, X] - course[k, X])
+    return x, course[k, Y] + share * (course[k + 1, Y] - course[k, Y])
+
+
+@lean_kernel
+def _ready(i: int, kind: int, params: Floats, tuning: Floats, state: Floats, course: Floats, k: int, dt: float) -> bool:
+    """Tell whether the vehicle may leave the stamp of row k: it passes, or it stands there and looks along the leg."""
+    if course[k, LIMIT] > 0.0 or course[k, SPEED] == 0.0 or kind in (ACKERMANN, INTEGRATOR):
+        return True
+    away = math.hypot(course[k, X] - state[i, 0], course[k, Y] - state[i, 1])
+    off = _angle_to(state[i, 2], course[k, TO_X], course[k, TO_Y])
+    return bool(abs(off) <= tuning[i, ALIGNED] and _has_reached(i, params, tuning, state, away, dt))
+
+
+@lean_kernel
+def _has_reached(i: int, params: Floats, tuning: Floats, state: Floats, away: float, dt: float) -> bool:
+    """Tell whether a place so far away has been reached; a spin there that drifts off a little need not be undone."""
+    spins = abs(state[i, 3]) <= _STANDING * params[i, 2] * dt and abs(state[i, 4]) > 1e-3 * params[i, 1]
+    return bool(away <= (_DRIFT * tuning[i, TOLERANCE] if spins else tuning[i, TOLERANCE]))
+
+
+@lean_kernel
+def _pace(
+    i: int, params: Floats, tuning: Floats, state: Floats, course: Floats, end: int, k: int, sigma: float,
+    bound: float, clock: float, pace: float, dt: float,
+) -> float:  # fmt: skip
+    """Speed of the reference in the next dt seconds, metres a second."""
+    x, y = _reference(course, end, k, sigma)
+    lag = math.hypot(x - state[i, 0], y - state[i, 1])
+    braking = _brake(i, params)
+    planned = course[k, SPEED]
+    # who has caught up with the clock goes at its pace
+    late = planned * max(clock - dt - sigma, 0.0)
+    hurried = min(tuning[i, HURRY] * planned, planned + _approach(late, tuning[i, GAIN], braking))
+    wanted = min(hurried, _FASTEST * params[i, 0])
+    wanted *= slowed(lag, tuning[i, SLACK], tuning[i, LEASH])
+    left = course[k, LENGTH] * (course[k + 1, TIME] - sigma) / (course[k + 1, TIME] - course[k, TIME])
+    # a little of a step's braking keeps the approach from never ending
+    least = 0.1 * braking * dt
+    wanted = min(wanted, max(_braked(pace, course[k + 1, LIMIT], left, braking, dt), least))
+    # others may stop for good at any moment, so what they allow now is all that is certain
+    if bound < math.inf:
+        left = _metres_to(course, end, k, sigma, bound, wanted * (dt + wanted / braking))
+        wanted = min(wanted, max(_braked(pace, 0.0, left, braking, dt), least))
+    return float(min(pace + _SHARE * params[i, 2] * dt, wanted))
+
+
+@lean_kernel
+def _braked(speed: float, limit: float, metres: float, braking: float, dt: float) -> float:
+    """Speed after dt seconds, at the mean of old and new, from which ``limit`` is reached at this braking in time.
+
+    So it is the positive root u of u² = limit² + 2 b (metres − (speed + u) dt / 2); 0 if there is none.
+    """
+    half = 0.5 * braking * dt
+    squared = half * half + limit * limit + 2.0 * braking * metres - braking * speed * dt
+    return max(math.sqrt(max(squared, 0.0)) - half, 0.0)
+
+
+@lean_kernel
+def _metres_to(course: Floats, end: int, k: int, sigma: float, until: float, enough: float) -> float:
+    """Metres of the course from plan time σ on row k to plan time ``until``, counted no farther than ``enough``."""
+    metres = 0.0
+    while k + 1 < end and sigma < until and metres < enough:
+        next_time = course[k + 1, TIME]
+        metres += course[k, SPEED] * (min(next_time, until) - sigma)
+        sigma = next_time
+        k += 1
+    return metres
+
+
+@lean_kernel
+def _approach(distance: float, gain: float, deceleration: float) -> float:
+    """Speed towards a place so many metres away: gain · distance near it, from afar what the deceleration can stop."""
+    near = deceleration / (gain * gain)
+    if distance <= near:
+        return gain * distance
+    return math.sqrt(2.0 * deceleration * (distance - 0.5 * near))
+
+
+@lean_kernel
+def _angle_to(heading: float, to_x: float, to_y: float) -> float:
+    """Radians from a heading to a direction, in [−π, π]."""
+    c, s = math.cos(heading), math.sin(heading)
+    return math.atan2(c * to_y - s * to_x, c * to_x + s * to_y)
+
+
+@lean_kernel
+def _turn_rate(i: int, params: Floats, gain: float, off: float, share: float) -> float:
+    """Turn rate that takes a heading error of so many radians away, four times as quick as the way: critically damped.
+
+    ``share`` is the part of the turn acceleration that driving leaves.
+    """
+    rate = min(_approach(abs(off), 4.0 * gain, share * params[i, 3]), params[i, 1])
+    return math.copysign(rate, off)
+
+
+@lean_kernel
+def _command_truck(
+    i: int, params: Floats, tuning: Floats, state: Floats, course: Floats, end: int, k: int, sigma: float,
+    speed: float, more: float, ahead_x: float, ahead_y: float, out: Floats,
+) -> None:  # fmt: skip
+    """Forward on the arc to a place ahead on the course; it stops level with where the reference stands."""
+    radius = _turning_radius(i, params)
+    c, s = math.cos(state[i, 2]), math.sin(state[i, 2])
+    level = c * ahead_x + s * ahead_y
+    to_x, to_y = _place_ahead(course, end, k, sigma, 1.2 * radius + max(-level, 0.0))
+    to_x, to_y = to_x - state[i, 0], to_y - state[i, 1]
+    front, left = c * to_x + s * to_y, c * to_y - s * to_x
+    if speed == 0.0 and level <= tuning[i, TOLERANCE] and math.hypot(ahead_x, ahead_y) <= 2.0 * radius:
+        out[i, 0] = out[i, 1] = 0.0
+        return
+    forward = speed + math.copysign(_approach(abs(level), tuning[i, GAIN], (1.0 - _SHARE) * params[i, 2]), level)
+    slow = _slow(i, params)
+    if front < 0.0:
+        # what lies behind is reached by a loop
+        bend, forward = math.copysign(1.0 / radius, left), slow
+    else:
+        bend = 2.0 * left / (front * front + left * left)
+        bend = min(max(bend, -1.0 / radius), 1.0 / radius)
+        sharpness = abs(bend) * radius
+        forward = min(forward, (1.0 - sharpness) * params[i, 0] + sharpness * slow)
+    forward = max(more * forward, 0.0)
+    out[i, 0], out[i, 1] = forward, bend * forward
+
+
+@lean_kernel
+def _turning_radius(i: int, params: Floats) -> float:
+    return float(params[i, 5] / math.tan(params[i, 6]))
+
+
+@lean_kernel
+def _place_ahead(course: Floats, end: int, k: int, sigma: float, metres: float) -> tuple[float, float]:
+    """Place so many metres of the course ahead of plan time σ; beyond its end, straight on along the last leg."""
+    x, y = _reference(course, end, k, sigma)
+    while k + 1 < end:
+        left = math.hypot(course[k + 1, X] - x, course[k + 1, Y] - y)
+        if left >= metres:
+            break
+        metres -= left
+        k += 1
+        x, y = course[k, X], course[k, Y]
+    return x + metres * course[k, TO_X], y + metres * course[k, TO_Y]

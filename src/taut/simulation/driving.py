@@ -1,0 +1,291 @@
+"""From a plan to the arrays of the loop, and the loop itself with room for what happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from taut.certificate.clearance import shapes_of
+from taut.control._following_kernels import COLUMNS, TO_X, TO_Y, lay_courses
+from taut.control.coordination import Dependencies, dependencies, pending
+from taut.control.tracking import Tracking, tuning
+from taut.motion import Plan
+from taut.scene import FloatArray
+from taut.simulation._loop_kernels import (
+    COLLISIONS,
+    EVENTS_FULL,
+    PAIRS,
+    PAIRS_FULL,
+    ROWS,
+    ROWS_FULL,
+    STEP,
+    WAITS,
+    Chance,
+    Ground,
+    Near,
+    Now,
+    Rows,
+    Tally,
+    Team,
+    record,
+    run_steps,
+)
+from taut.simulation._nearness_kernels import sides_of_cells
+from taut.simulation.disturbances import Disturbances, fate_of
+from taut.simulation.vehicles import Vehicle, tables
+
+_MOST_CELLS = 256  # of a row or column of a grid
+_RECORDED_AT_ONCE = 2**16  # poses
+_EVENTS = 256  # for which there is room at first, and the next for pairs a robot
+_PAIRS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """All that the runs of one plan with the same vehicles have in common.
+
+    Parameters
+    ----------
+    plan, names : the plan and its robots.
+    team : the robots, nothing wrong with them.
+    headings : (n,) radians at the start: along the first move.
+    ground : obstacles and wall.
+    shapes : their names.
+    waits : who waits for whom.
+    dt : seconds of a step.
+    tol : metres that discs may overlap without a collision: the scene's.
+    reach : metres between two robots up to which they are watched.
+    """
+
+    plan: Plan
+    names: tuple[str, ...]
+    team: Team
+    headings: FloatArray
+    ground: Ground
+    shapes: tuple[str, ...]
+    waits: Dependencies
+    dt: float
+    tol: float
+    reach: float
+
+
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """How a run went, in the arrays of the loop.
+
+    Parameters
+    ----------
+    status : ENDED or STUCK.
+    seconds : that it lasted.
+    now, tally : the last state, and what was measured.
+    rows : the recorded instants, one array after the other.
+    collisions, held : rows of `taut.simulation._loop_kernels`.
+    """
+
+    status: int
+    seconds: float
+    now: Now
+    tally: Tally
+    rows: Rows
+    collisions: FloatArray
+    held: FloatArray
+
+
+Watching = Callable[[float, Now], None]
+"""Is shown the time and the team at every recorded instant, before the robots drive on."""
+
+
+def setting_of(
+    plan: Plan, vehicles: Sequence[Vehicle], trackings: Sequence[Tracking], dt: float, waits: Dependencies
+) -> Setting:
+    """Lay out a plan for the loop; `nobody_waits` gives waits for a team that does not look after each other."""
+    scene = plan.scene
+    own = [path.stamps[: int(np.searchsorted(path.times, path.arrival)) + 1] for path in plan.trajectories]
+    first = np.concatenate([[0], np.cumsum([len(s) for s in own])]).astype(np.int64)
+    stamps = np.ascontiguousarray(np.concatenate(own)) if own else np.empty((0, 3))
+    kinds, params = tables(vehicles)
+    tuned = tuning(trackings)
+    course = np.zeros((len(stamps), COLUMNS))
+    lay_courses(stamps, first, kinds, params, tuned, course)
+    n = len(own)
+    radii = np.array([robot.radius for robot in scene.robots], dtype=np.float64)
+    leaves = np.array([not scene.stays(robot) for robot in scene.robots], dtype=np.bool_)
+    team = Team(kinds, params, tuned, course, radii, stamps, first, leaves, np.ones(n), np.full(n, np.inf))
+    begin = course[first[:-1]]
+    shapes = shapes_of(scene)
+    edges = np.ascontiguousarray(shapes.edges)
+    x0, y0, size, columns, rows = grid_over(edges, max(len(edges), 16))
+    cells, sides = sides_of_cells(edges, x0, y0, size, columns, rows)
+    ground = Ground(edges, shapes.owner, shapes.radius, cells, sides, x0, y0, size, columns, rows)
+    fastest = max((float(row[0]) for row in params), default=1.0)
+    reach = max(4.0 * float(radii.max(initial=0.0)), 2.0 * scene.gap, 0.5 * fastest)
+    return Setting(
+        plan,
+        tuple(robot.name for robot in scene.robots),
+        team,
+        np.arctan2(begin[:, TO_Y], begin[:, TO_X]),
+        ground,
+        shapes.names,
+        waits,
+        dt,
+        scene.tol,
+        reach,
+    )
+
+
+def nobody_waits(plan: Plan) -> Dependencies:
+    """Dependencies of a team in which everybody keeps to the clock, whoever is late."""
+    n = len(plan.trajectories)
+    alone = Plan(replace(plan.scene, robots=()), ())
+    none = dependencies(alone)
+    names = tuple(robot.name for robot in plan.scene.robots)
+    arrivals = np.array([path.arrival for path in plan.trajectories], dtype=np.float64)
+    return Dependencies(names, arrivals, none.waits._replace(start=np.zeros(n + 1, dtype=np.int64)))
+
+
+def drive(
+    setting: Setting, disturbances: Disturbances, seed: int, until: float, stride: int, watch: Watching | None = None
+) -> Driven:
+    """Let the team drive until all have arrived, nobody goes on, or the time ``until`` is over.
+
+    Every ``stride``-th instant is recorded (none if 0) and shown to ``watch``. Safe to call on several threads.
+    """
+    n = len(setting.names)
+    fate = fate_of(setting.plan.scene, disturbances, seed)
+    params = setting.team.params.copy()
+    params[:, 0] *= fate.reach
+    team = setting.team._replace(params=params, drift=fate.drift, dies=fate.dies)
+    chance = Chance(
+        seed,
+        disturbances.stops,
+        disturbances.stop_seconds,
+        disturbances.position_noise,
+        disturbances.heading_noise,
+        disturbances.slip,
+    )
+    now, tally = _standing(setting), _unmeasured(n)
+    near = _nearness(setting, 1.0 + disturbances.speed_error)
+    todo = pending(setting.waits)
+    counts = np.array([0, -1, 0, 0, 0], dtype=np.int64)
+    collisions, held = np.empty((len(near.pairs) + n + _EVENTS, 6)), np.empty((n + _EVENTS, 5))
+    kept: list[Rows] = []
+    many = 1 + _RECORDED_AT_ONCE // max(n, 1)
+    rows = _rows(1 if watch else many if stride else 0, n)
+    shown = -1
+    while True:
+        if watch is not None and stride and counts[STEP] % stride == 0 and counts[STEP] > shown:
+            shown = int(counts[STEP])
+            watch(shown * setting.dt, now)
+        status = run_steps(
+            setting.dt, stride, until, setting.tol, chance, team, setting.ground, setting.waits.waits, todo, now,
+            tally, near, rows, collisions, held, counts,
+        )  # fmt: skip
+        if status == ROWS_FULL:
+            kept.append(_copied(rows, counts[ROWS]))
+            counts[ROWS] = 0
+        elif status == EVENTS_FULL:
+            collisions, held = _doubled(collisions, counts[PAIRS]), _doubled(held, 0)
+        elif status == PAIRS_FULL:
+            near = near._replace(pairs=np.empty((2 * len(near.pairs) + 1, 3), dtype=np.int64))
+            counts[PAIRS] = -1
+        else:
+            break
+    seconds = float(counts[STEP] * setting.dt)
+    if stride and (not counts[ROWS] or rows.times[counts[ROWS] - 1] < seconds):
+        kept.append(_copied(rows, counts[ROWS]))
+        counts[ROWS] = 0
+        record(seconds, now, team, rows, counts)
+    kept.append(_copied(rows, counts[ROWS]))
+    recorded = Rows(*(np.concatenate(parts) for parts in zip(*kept, strict=True)))
+    return Driven(status, seconds, now, tally, recorded, collisions[: counts[COLLISIONS]], held[: counts[WAITS]])
+
+
+def grid_over(edges: FloatArray, cells: int) -> tuple[float, float, float, int, int]:
+    """Corner, size of a cell, columns and rows of a grid over sides, with about so many cells."""
+    x = np.concatenate([edges[:, 0], edges[:, 2]])
+    y = np.concatenate([edges[:, 1], edges[:, 3]])
+    width, height = float(np.ptp(x)), float(np.ptp(y))
+    size = max(np.sqrt(width * height / cells), max(width, height) / _MOST_CELLS)
+    return float(x.min()), float(y.min()), float(size), int(width / size) + 1, int(height / size) + 1
+
+
+def _nearness(setting: Setting, faster: float) -> Near:
+    """Room for pairs of robots that come near while none drives faster than ``faster`` times its top speed."""
+    n = len(setting.names)
+    most = float(setting.team.radii.max(initial=0.0))
+    fastest = max((float(row[0]) for row in setting.team.params), default=1.0) * faster
+    skin = max(setting.reach / 2, 20.0 * fastest * setting.dt)
+    width, height = (setting.ground.size * count for count in (setting.ground.columns, setting.ground.rows))
+    size = max(setting.reach + skin + 2.0 * most, max(width, height) / _MOST_CELLS)
+    columns, rows = int(width / size) + 1, int(height / size) + 1
+    return Near(
+        np.empty((_PAIRS * n, 3), dtype=np.int64),
+        np.empty(columns * rows, dtype=np.int64),
+        np.empty(n, dtype=np.int64),
+        setting.reach,
+        skin,
+        most,
+        size,
+        columns,
+        rows,
+        np.zeros((n, 2)),
+        np.zeros(n),
+    )
+
+
+def _standing(setting: Setting) -> Now:
+    """Robots at their starts, at rest, facing their first move."""
+    n, first = len(setting.names), setting.team.first
+    state = np.zeros((n, 6))
+    state[:, :2] = setting.team.stamps[first[:-1], 1:]
+    state[:, 2] = setting.headings
+    arrived = np.where(np.diff(first) == 1, 0.0, np.inf)
+    return Now(
+        state=state,
+        seen=state.copy(),
+        progress=np.zeros(n),
+        reference=np.zeros(n),
+        leg=first[:-1].copy(),
+        behind=first[:-1].copy(),
+        bound=np.full(n, np.inf),
+        held_by=np.full(n, -1, dtype=np.int64),
+        halts=np.zeros((n, 3)),
+        pace=np.zeros(n),
+        trim=np.zeros(n),
+        command=np.zeros((n, 2)),
+        slip=np.ones((n, 2)),
+        waiting=np.full(n, -1, dtype=np.int64),
+        arrived=arrived,
+        gone=np.where(setting.team.leaves, arrived, np.inf),
+        idle=np.zeros(2),
+    )
+
+
+def _unmeasured(n: int) -> Tally:
+    clear, apart = np.zeros((n, 5)), np.zeros((n, 5))
+    clear[:, 0] = apart[:, 0] = np.inf
+    clear[:, 4] = apart[:, 4] = -1
+    return Tally(
+        done=np.zeros((n, 5)),
+        worst=np.zeros((n, 4)),
+        clear=clear,
+        apart=apart,
+        measured=np.zeros((n, 2)),
+        hitting=np.full(n, -1, dtype=np.int64),
+    )
+
+
+def _rows(count: int, n: int) -> Rows:
+    return Rows(
+        np.empty(count), np.empty((count, n, 3)), np.empty((count, n)), np.empty((count, n)), np.empty((count, n))
+    )
+
+
+def _copied(rows: Rows, count: int) -> Rows:
+    return Rows(*(part[:count].copy() for part in rows))
+
+
+def _doubled(events: FloatArray, more: int) -> FloatArray:
+    return np.concatenate([events, np.empty((len(events) + max(more, 0), events.shape[1]))])
