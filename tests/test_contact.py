@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -261,9 +262,12 @@ def test_teams_without_pairs_have_no_contacts(robots: int) -> None:
     assert least_fiedler(found) == (0, 0.0)
 
 
-@pytest.mark.parametrize("reach", [0.0, -1.0, float("nan")])
-def test_a_range_must_be_positive(reach: float) -> None:
-    with pytest.raises(SceneError, match="range must be positive"):
+@pytest.mark.parametrize(
+    ("reach", "words"),
+    [(0.0, "positive"), (-1.0, "positive"), (math.nan, "a finite number"), ("5", "a finite number, got '5'")],
+)
+def test_a_range_must_be_a_positive_number(reach: Any, words: str) -> None:
+    with pytest.raises(SceneError, match=f"range must be {words}"):
         contacts(plan_of([[[0, 0, 0]]]), reach)
 
 

@@ -22,7 +22,7 @@ from taut.roadmap import grid_lanes
 from taut.scene import Polygon, Rectangle, Robot, Scene
 from taut.team import plan
 from taut.team._conflict_kernels import Floats
-from taut.team._contact_kernels import Partners, in_contact, lonely_times, next_chance
+from taut.team._contact_kernels import Partners, _first_gap, in_contact, lonely_times, next_chance
 from taut.team.contact_methods import IN_CONTACT
 from taut.team.partners import partners_of, walls_of
 from taut.team.ties import linked_order, ties_of
@@ -128,10 +128,12 @@ def test_a_departure_in_contact_keeps_it_and_no_earlier_one_does(
     until = min(depart, latest)
     for earlier in np.linspace(earliest, until, 40, endpoint=False):
         if until - earlier > 1e-4:
-            assert not in_contact(partners, edge, tau, earlier)
-            if not blocks:  # the loss can be seen, unless samples are too few
-                near = partners_at(motions, earlier + along * tau, places, reach - 1e-3)
-                assert not (near >= need).all()
+            gap, back = _first_gap(partners, edge, tau, earlier)
+            assert gap < min(back, tau)
+            share = 0.5 * (gap + min(back, tau)) / tau
+            where, when = (a + share * (b - a))[None], np.array([earlier + share * tau])
+            if min(back, tau) - gap > 1e-7:  # else samples cannot tell
+                assert partners_at(motions, when, where, reach, walls)[0] < need
 
 
 def test_a_robot_may_follow_at_exactly_the_range() -> None:

@@ -15,7 +15,7 @@ from naive_search import Leg, earliest_arrival, forbidden_departures, legs_of, n
 from taut.motion import Trajectory
 from taut.roadmap.core import Arcs
 from taut.scene import AtGoal, Robot, Scene
-from taut.team import _conflict_kernels, _table_kernels
+from taut.team import _asking_kernels, _conflict_kernels
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team._table_kernels import Table
 from taut.team.own_roadmap import OwnRoadmap
@@ -39,7 +39,7 @@ def test_merged_intervals_forbid_the_same_times(intervals: list[tuple[float, flo
     lo, hi = (
         np.array(column, dtype=np.float64) for column in (zip(*intervals, strict=True) if intervals else ([], []))
     )
-    count = _table_kernels.merge(lo, hi, len(intervals))
+    count = _asking_kernels.merge(lo, hi, len(intervals))
     merged = list(zip(lo[:count].tolist(), hi[:count].tolist(), strict=True))
     assert merged == sorted(merged)
     assert all(a[1] <= b[0] for a, b in pairwise(merged))
@@ -113,7 +113,7 @@ def plain_union(
     widened = [(lo - headway, hi + headway) for found, lo, hi in lists if found]
     kept = [(lo, hi) for lo, hi in widened if hi > earliest and lo < latest]
     lo, hi = np.array([p[0] for p in kept]), np.array([p[1] for p in kept])
-    count = _table_kernels.merge(lo, hi, len(kept))
+    count = _asking_kernels.merge(lo, hi, len(kept))
     return lo[:count], hi[:count]
 
 
@@ -137,7 +137,9 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         a, b = rng.uniform(0, SIDE, (2, 2))
         if rng.random() < 0.4:
             a, b = places[rng.integers(len(places), size=2)]
-        count = _table_kernels.forbidden_times(table, a[0], a[1], 0, apart, headway, 0.0, math.inf, lo, hi, stamp, mark)
+        count = _asking_kernels.forbidden_times(
+            table, a[0], a[1], 0, apart, headway, 0.0, math.inf, lo, hi, stamp, mark
+        )
         resting = [
             _conflict_kernels.rest_conflict(*np.array([*a, *leg, d])) for leg, d in zip(legs, distances, strict=True)
         ]
@@ -146,7 +148,7 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         # looked up for a stretch of time only, they are the same as far as they reach into it
         begin = float(rng.uniform(0, 30))
         end = begin + float(rng.choice([0.0, 3.0, 40.0]))
-        count = _table_kernels.forbidden_times(
+        count = _asking_kernels.forbidden_times(
             table, a[0], a[1], 0, apart, headway, begin, end, lo, hi, stamp, 1000 + mark
         )
         want_lo, want_hi = plain_union(resting, headway, -np.inf, np.inf)
@@ -167,9 +169,9 @@ def test_the_grid_forgets_no_leg(seed: int) -> None:
         for begins, ends in reversed(union):
             last = begins if begins < last < ends else last
         args = table, (*a, *b), tau, earliest, latest, 0, apart, headway
-        soonest = _table_kernels.first_departure(*args)
+        soonest = _asking_kernels.first_departure(*args)
         assert soonest == pytest.approx(first if first <= latest else math.inf, abs=1e-9)
-        final = _table_kernels.last_departure(*args)
+        final = _asking_kernels.last_departure(*args)
         assert final == pytest.approx(last if last >= earliest else -math.inf, abs=1e-9)
         late += first > earliest
     assert late > 10
@@ -188,7 +190,7 @@ def test_the_earliest_departure_is_the_first_that_every_leg_allows(seed: int) ->
         a, b = places[rng.choice(len(places), size=2, replace=False)]
         tau, ready = math.dist(a, b) / 1.5, float(rng.uniform(0, 15))
         latest = ready + float(rng.choice([2.0, 20.0, math.inf]))
-        got = _table_kernels.first_departure(table, (*a, *b), tau, ready, latest, 0, apart, scene.headway)
+        got = _asking_kernels.first_departure(table, (*a, *b), tau, ready, latest, 0, apart, scene.headway)
         expected = ready
         for lo, hi in forbidden_departures(tuple(a), tuple(b), tau, theirs, scene.headway):
             if lo < expected < hi:
@@ -237,13 +239,13 @@ def test_legs_met_are_those_that_a_motion_meets() -> None:
         way = places[:4]
         tau = np.hypot(*np.diff(way, axis=0).T)
         depart = 2.0 + np.append(0.0, np.cumsum(tau)[:-1])
-        legs_met = _table_kernels.legs_met(table, way, tau, depart, 0, apart, headway)
+        legs_met = _asking_kernels.legs_met(table, way, tau, depart, 0, apart, headway)
         got = set(zip(*(column.tolist() for column in legs_met), strict=True))
         whom = np.empty(len(scene.robots), dtype=np.int64)
         count = 0
         for k in range(3):
             edge = (*way[k].tolist(), *way[k + 1].tolist())
-            count = _table_kernels.robots_met(
+            count = _asking_kernels.robots_met(
                 table, edge, float(tau[k]), float(depart[k]), 0, apart, headway, 0.0, whom, count
             )
             for i in np.flatnonzero(table.robot > 0).tolist():

@@ -9,9 +9,9 @@ import numpy as np
 from taut.chunks import over_chunks
 from taut.contact._link_kernels import GROUP, contact_spans
 from taut.contact.core import Contacts, Ints
+from taut.contact.demand import Contact
 from taut.contact.motions import Motions, motions_of, swept_boxes
 from taut.contact.outlines import sight_sides
-from taut.errors import SceneError
 from taut.motion import Plan
 from taut.scene import FloatArray
 
@@ -55,8 +55,7 @@ def contacts(plan: Plan, reach: float, sight: bool = False) -> Contacts:
     >>> contacts(plan, 1.25).ends.round(9).tolist()
     [0.75]
     """
-    if not reach > 0:
-        raise SceneError(f"contact: range must be positive, got {reach}")
+    reach = Contact(reach, sight).reach
     scene = plan.scene
     motions = motions_of(plan)
     sides = sight_sides(scene, scene.tol) if sight else np.empty((0, 4))

@@ -8,10 +8,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.team._asking_kernels import noted, robots_met
 from taut.team._conflict_kernels import Floats, Ints, rest_conflict
+from taut.team._grid_kernels import cell_of
 from taut.team._lean import lean_kernel
 from taut.team._search_kernels import Desk, clear_away, lay_out
-from taut.team._table_kernels import Table, cell_of, noted, robots_met
+from taut.team._table_kernels import Table
 from taut.team._team_kernels import Team, edges_out, position
 
 Seeds: TypeAlias = NDArray[np.uint64]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
+from taut.team._asking_kernels import first_departure, forbidden_times
 from taut.team._conflict_kernels import Floats
 from taut.team._lean import lean_kernel
 from taut.team._neighbourhood_kernels import MAKESPAN, SUM_OF_COSTS, Lane, likely_kind, neighbourhood
@@ -12,8 +13,6 @@ from taut.team._table_kernels import (
     Table,
     copied_legs,
     enter_motion,
-    first_departure,
-    forbidden_times,
     give_up,
     legs_from,
     put_back,

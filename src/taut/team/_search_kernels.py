@@ -6,10 +6,11 @@ from math import hypot, inf, nextafter, sqrt
 from typing import NamedTuple
 
 from taut.heap import drop_first, push
+from taut.team._asking_kernels import first_departure, forbidden_times, last_departure, merge
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team._contact_kernels import Partners, in_contact, lonely_times, next_chance
 from taut.team._lean import lean_kernel
-from taut.team._table_kernels import Table, first_departure, forbidden_times, last_departure, merge
+from taut.team._table_kernels import Table
 from taut.team._team_kernels import Team, edges_out
 
 # Among equal keys the queue prefers states, the latest first, then edges, the latest first: straight to the goal where

@@ -11,7 +11,7 @@ import numpy as np
 
 from taut.motion import Trajectory
 from taut.scene import Point
-from taut.team import _table_kernels
+from taut.team import _asking_kernels
 from taut.team._table_kernels import Table
 from taut.team.prioritized import Round
 from taut.team.reservations import distances_from, empty_table, legs_of, reserve
@@ -171,7 +171,7 @@ def _meetings(world: World, i: int, table: Table) -> dict[int, list[_Meeting]]:
     if edges:
         radius, gap, headway = world.body(i).tolist()
         way = np.ascontiguousarray(points)
-        met, along = _table_kernels.legs_met(table, way, tau, times[:-1], i, radius + gap, headway)
+        met, along = _asking_kernels.legs_met(table, way, tau, times[:-1], i, radius + gap, headway)
         found += [(leg, edges[k]) for leg, k in zip(number[met].tolist(), along.tolist(), strict=True)]
     start, goal = points[0].tolist(), points[-1].tolist()
     rests = [_piece(start, 0.0, start, robot.start_time)] if edges else []
