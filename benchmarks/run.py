@@ -10,6 +10,7 @@ import central
 import graphs
 import page
 import paths
+import simulate
 import startup
 import team
 from measure import Report, load, machine
@@ -21,6 +22,7 @@ SUITES = {
     "central": central.TITLES,
     "graphs": graphs.TITLES,
     "plans": team.TITLES,
+    "simulate": simulate.TITLES,
 }
 """The suites and the titles of their sections, in the order of the page."""
 
@@ -74,6 +76,8 @@ def _report(name: str, quick: bool, maps: Path | None) -> Report:
             return central.suite(quick)
         case "graphs":
             return graphs.suite(quick)
+        case "simulate":
+            return simulate.suite(quick)
         case _:
             return team.suite(quick)
 

@@ -10,6 +10,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
 import page
+import run
 from measure import Report, Table, picture
 
 SUITES = ("start", "paths", "teams")
@@ -93,6 +94,13 @@ def test_writing_the_same_again_changes_nothing(whole: Path) -> None:
     old = whole.read_bytes()
     page.write(whole, {"teams": report("Plans")}, "an old machine.", SUITES, TITLES)
     assert whole.read_bytes() == old
+
+
+def test_every_section_of_the_published_page_is_that_of_a_suite_in_order() -> None:
+    titles = [title for of_suite in run.SUITES.values() for title in of_suite]
+    assert len(set(titles)) == len(titles)
+    published = titles_of(Path(__file__).resolve().parents[1] / "docs" / "performance.md")
+    assert published == [title for title in titles if title in published]
 
 
 def test_pictures_are_drawn_where_the_page_looks_for_them(tmp_path: Path) -> None:

@@ -653,6 +653,33 @@ def test_warmup_plans_and_certifies(taut: Taut) -> None:
     assert run.json["ok"] is True
 
 
+def test_after_warmup_simulating_compiles_nothing(taut: Taut, tmp_path: Path) -> None:
+    """Whatever kernel the first simulation calls, warmup has called with arrays of the same types."""
+    plan = tmp_path / "plan.json"
+    assert taut("plan", "thesis-2", "-o", plan).code == 0
+    options = ["--lidar", "--dies", "R1@2", "--vehicle", "ackermann", "--after", str(tmp_path / "now.yaml")]
+    code = f"""
+import contextlib, gc, io, json
+from numba.core.dispatcher import Dispatcher
+from taut.cli import main
+
+def ready():
+    kernels = [each for each in gc.get_objects() if isinstance(each, Dispatcher)]
+    return {{f"{{each.py_func.__qualname__}}{{types}}" for each in kernels for types in each.signatures}}
+
+with contextlib.redirect_stdout(io.StringIO()):
+    assert main(["warmup"]) == 0
+    before = ready()
+    main(["simulate", {str(plan)!r}, *{options!r}])
+    main(["simulate", {str(plan)!r}, "--seeds", "2", "--stops", "0.1"])
+print(json.dumps([sorted(before), sorted(ready() - before)]))
+"""
+    before, more = in_a_new_process(code)
+    assert any(kernel.startswith("run_steps") for kernel in before)
+    assert more == []
+    assert (tmp_path / "now.yaml").exists()
+
+
 # --- the package ---
 
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from taut import Robot
 from taut.control import PurePursuit, Tracking, progress_rate, pursue, tuning
-from taut.control._following_kernels import COLUMNS, TO_X, TO_Y, advance, command, lay_courses
+from taut.control._course_kernels import COLUMNS, TO_X, TO_Y, lay_courses
+from taut.control._following_kernels import advance, command
 from taut.errors import SceneError
 from taut.simulation._vehicle_kernels import move
 from taut.simulation.vehicles import KINDS, Ackermann, Unicycle, Vehicle, tables, tracking_for, vehicle_for

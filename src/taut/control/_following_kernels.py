@@ -1,11 +1,8 @@
-"""Kernels of the tracker: the course of a plan, progress along it, and the commands that keep to it.
+"""Kernels of the tracker: progress along the course of a plan, and the commands that keep to it.
 
-Tables have a row a robot. ``state`` is x, y, θ, v, ω, φ; ``params`` is top speed, top turn rate, acceleration, turn
-acceleration, wheel radius, track or wheelbase, top wheel speed or top steering angle, steering rate. ``tuning`` is
-gain, slack, leash, tolerance, aligned, hurry, cutting, see `taut.control.tracking.Tracking`. A course has a row a
-stamp, the columns below; robot i owns rows ``first[i]`` to ``first[i + 1]``. ``leg`` (n,) is the row at which each
-robot's present leg begins, ``pace`` (n,) the speed of its reference in metres a second, ``trim`` (n,) what its speed
-was found to lack, as a share.
+Courses, ``params`` and ``tuning`` are those of `taut.control._course_kernels`. ``state`` is x, y, θ, v, ω, φ, a row a
+robot. ``leg`` (n,) is the row at which each robot's present leg begins, ``pace`` (n,) the speed of its reference in
+metres a second, ``trim`` (n,) what its speed was found to lack, as a share.
 """
 
 from __future__ import annotations
@@ -15,43 +12,39 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.control._course_kernels import (
+    ACKERMANN,
+    ALIGNED,
+    GAIN,
+    HURRY,
+    INTEGRATOR,
+    LEASH,
+    LENGTH,
+    LIMIT,
+    SHARE,
+    SLACK,
+    SPEED,
+    TIME,
+    TO_X,
+    TO_Y,
+    TOLERANCE,
+    X,
+    Y,
+    planned_braking,
+    slow_speed,
+    turning_radius,
+)
 from taut.team._lean import lean_kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-INTEGRATOR, UNICYCLE, DIFFERENTIAL, ACKERMANN = 0, 1, 2, 3
-
-TIME, X, Y, TO_X, TO_Y, SPEED, LIMIT, LENGTH = range(8)
-"""Columns: when and where, direction of the leg that begins here (a rest: of the next move), its speed in the plan,
-the greatest speed of the reference here, metres of the leg."""
-COLUMNS = 8
-
-GAIN, SLACK, LEASH, TOLERANCE, ALIGNED, HURRY, CUTTING = range(7)
-"""Columns of the tuning."""
-
 _MOST_TRIM = 0.35
-_SHARE = 0.7  # of the acceleration is planned with; the rest is for feedback and turning
 _FASTEST = 0.95  # of the top speed: who follows must be able to catch up
-_CREEPING = 0.1  # of its speed: a reference that would pass a corner slower stops there
 _STEADY = 10.0  # tolerances: a deviation by one turns the aim by at most a tenth of a radian in motion
 _BACK = 10.0  # tolerances: over so many back is nearer than round
 _DRIFT = 3.0  # tolerances
 _STANDING = 0.02  # steps of braking: a speed that is none
-_STRAIGHT = 1e-12  # radians that are rounding
-_SLIGHT = 0.2  # radians that a truck takes at full speed
-_HARDEST = 100.0  # 1/s: braking from top speed in a hundredth of a second is as good as at once
-
-
-@lean_kernel
-def lay_courses(stamps: Floats, first: Ints, kinds: Ints, params: Floats, tuning: Floats, course: Floats) -> None:
-    """Write the course of every robot from the stamps (S, 3) of all."""
-    for i in range(len(first) - 1):
-        begin, end = first[i], first[i + 1]
-        for k in range(begin, end):
-            course[k, TIME], course[k, X], course[k, Y] = stamps[k, 0], stamps[k, 1], stamps[k, 2]
-        _measure_legs(begin, end, course)
-        _limit_speeds(i, begin, end, kinds[i], params, tuning, course)
 
 
 @lean_kernel
@@ -113,7 +106,7 @@ def command(
     ahead_y = y - speed * dt * to_y - state[i, 1]
     distance = math.hypot(ahead_x, ahead_y)
     gain, tolerance = tuning[i, GAIN], tuning[i, TOLERANCE]
-    pull = _approach(distance, gain, (1.0 - _SHARE) * params[i, 2]) / distance if distance > 0.0 else 0.0
+    pull = _approach(distance, gain, (1.0 - SHARE) * params[i, 2]) / distance if distance > 0.0 else 0.0
     wish_x, wish_y = speed * to_x + pull * ahead_x, speed * to_y + pull * ahead_y
     forward = wish_x * math.cos(heading) + wish_y * math.sin(heading)
     _learn(i, kinds[i], params, gain, state, wish_x, wish_y, forward, speed, ahead_x * to_x + ahead_y * to_y, trim, dt)
@@ -128,7 +121,7 @@ def command(
         out[i, 0] = out[i, 1] = 0.0
         # first stop, then turn; who never moves has no direction to turn to
         if abs(state[i, 3]) <= _STANDING * params[i, 2] * dt and (to_x != 0.0 or to_y != 0.0):
-            out[i, 1] = _turn_rate(i, params, gain, _angle_to(heading, to_x, to_y), _SHARE)
+            out[i, 1] = _turn_rate(i, params, gain, _angle_to(heading, to_x, to_y), SHARE)
     else:
         # slow, it would turn far for a small deviation
         least = max(speed, _STEADY * gain * tolerance) if speed > 0.0 else 0.0
@@ -139,7 +132,7 @@ def command(
             aim_x, aim_y = -aim_x, -aim_y
         off = _angle_to(heading, aim_x, aim_y)
         out[i, 0] = more * forward
-        out[i, 1] = _turn_rate(i, params, gain, off, _SHARE if speed == 0.0 else 1.0 - _SHARE)
+        out[i, 1] = _turn_rate(i, params, gain, off, SHARE if speed == 0.0 else 1.0 - SHARE)
 
 
 @lean_kernel
@@ -165,124 +158,6 @@ def slowed(lag: float, slack: float, leash: float) -> float:
     if lag <= slack:
         return 1.0
     return max((leash - lag) / (leash - slack), 0.0)
-
-
-@lean_kernel
-def _measure_legs(begin: int, end: int, course: Floats) -> None:
-    to_x, to_y = 0.0, 0.0
-    for k in range(begin, end - 1):
-        to_x, to_y = course[k + 1, X] - course[k, X], course[k + 1, Y] - course[k, Y]
-        length = math.hypot(to_x, to_y)
-        course[k, LENGTH] = length
-        course[k, SPEED] = length / (course[k + 1, TIME] - course[k, TIME])
-        if length > 0.0:
-            course[k, TO_X], course[k, TO_Y] = to_x / length, to_y / length
-        else:
-            course[k, TO_X], course[k, TO_Y] = 0.0, 0.0
-    last = end - 1
-    course[last, LENGTH] = course[last, SPEED] = 0.0
-    course[last, TO_X] = course[last, TO_Y] = 0.0
-    for k in range(end - 2, begin - 1, -1):
-        if course[k, LENGTH] == 0.0:
-            course[k, TO_X], course[k, TO_Y] = course[k + 1, TO_X], course[k + 1, TO_Y]
-    for k in range(begin + 1, end):
-        if course[k, TO_X] == 0.0 and course[k, TO_Y] == 0.0:
-            course[k, TO_X], course[k, TO_Y] = course[k - 1, TO_X], course[k - 1, TO_Y]
-
-
-@lean_kernel
-def _limit_speeds(i: int, begin: int, end: int, kind: int, params: Floats, tuning: Floats, course: Floats) -> None:
-    """Speed at every stamp: what its bend and those soon after it allow, and what can be braked before the next."""
-    for k in range(begin, end):
-        inside = begin < k < end - 1 and course[k, SPEED] > 0.0 and course[k - 1, SPEED] > 0.0
-        course[k, LIMIT] = 0.0
-        if inside:
-            course[k, LIMIT] = _bend_speed(i, kind, params, tuning, abs(_bend_at(course, k)), 0.0)
-            slow = course[k, LIMIT] < _CREEPING * min(course[k - 1, SPEED], course[k, SPEED])
-            if slow and kind != ACKERMANN:
-                course[k, LIMIT] = 0.0
-    reach = params[i, 0] * _turning_seconds(i, kind, params, tuning, math.pi)
-    for a in range(begin + 1, end - 1):
-        if course[a, LIMIT] > 0.0 and abs(_bend_at(course, a)) > _STRAIGHT:
-            _limit_window(i, a, end, kind, params, tuning, reach, course)
-    for k in range(end - 2, begin - 1, -1):
-        after = course[k + 1, LIMIT]
-        braked = math.sqrt(after * after + 2.0 * _brake(i, params) * course[k, LENGTH])
-        course[k, LIMIT] = min(course[k, LIMIT], braked)
-
-
-@lean_kernel
-def _limit_window(
-    i: int, a: int, end: int, kind: int, params: Floats, tuning: Floats, reach: float, course: Floats
-) -> None:
-    """Limit the speed where bends from row a on follow so soon on each other that they are one turn to the vehicle."""
-    bend, metres = abs(_bend_at(course, a)), 0.0
-    for m in range(a + 1, end - 1):
-        metres += course[m - 1, LENGTH]
-        if metres > reach or course[m, LIMIT] == 0.0:
-            break
-        bend += abs(_bend_at(course, m))
-        speed = _bend_speed(i, kind, params, tuning, bend, metres)
-        for k in range(a, m + 1):
-            course[k, LIMIT] = min(course[k, LIMIT], speed)
-
-
-@lean_kernel
-def _bend_at(course: Floats, k: int) -> float:
-    """Radians by which the leg of row k turns from the one before."""
-    cross = course[k - 1, TO_X] * course[k, TO_Y] - course[k - 1, TO_Y] * course[k, TO_X]
-    return math.atan2(cross, course[k - 1, TO_X] * course[k, TO_X] + course[k - 1, TO_Y] * course[k, TO_Y])
-
-
-@lean_kernel
-def _brake(i: int, params: Floats) -> float:
-    """Deceleration that the reference is planned with."""
-    return float(min(_SHARE * params[i, 2], _HARDEST * params[i, 0]))
-
-
-@lean_kernel
-def _bend_speed(i: int, kind: int, params: Floats, tuning: Floats, bend: float, metres: float) -> float:
-    """Greatest speed at which bends of so many radians, over so many metres, are taken within ``cutting`` of them."""
-    if bend <= _STRAIGHT:
-        return math.inf
-    cutting = tuning[i, CUTTING]
-    if kind == INTEGRATOR:
-        # a corner changes the velocity by 2 v sin(β/2), and half of what passes meanwhile is cut; an arc needs v² β / ℓ
-        half = math.sin(0.5 * min(bend, math.pi))
-        return math.sqrt(params[i, 2] * (0.5 * cutting / (half * half) + _SHARE * metres / bend))
-    if kind == ACKERMANN:
-        radius = _turning_radius(i, params)
-        return math.inf if bend < _SLIGHT or metres > radius * bend else _slow(i, params)
-    corner = 2.0 * cutting / (bend * _turning_seconds(i, kind, params, tuning, bend))
-    if metres == 0.0:
-        return float(corner)
-    # an arc of radius R is left by v² / (4 g² R), as the heading lags by v / (4 g R), and where it begins by about
-    # v (v / R)² / (2 g α), as the turning needs v / (R α) seconds to begin
-    radius, gain, quickening = metres / bend, tuning[i, GAIN], (1.0 - _SHARE) * params[i, 3]
-    steady = 2.0 * gain * math.sqrt(cutting * radius)
-    begun = (2.0 * gain * quickening * cutting * radius * radius) ** (1.0 / 3.0)
-    return math.hypot(corner, min(steady, begun, _SHARE * params[i, 1] * radius))
-
-
-@lean_kernel
-def _turning_seconds(i: int, kind: int, params: Floats, tuning: Floats, bend: float) -> float:
-    """Seconds that a turn by so many radians takes, the delay of the control included."""
-    if kind == INTEGRATOR:
-        return float(bend * params[i, 0] / params[i, 2])
-    if kind == ACKERMANN:
-        return float(bend * _turning_radius(i, params) / params[i, 0])
-    rate, quickening = params[i, 1], (1.0 - _SHARE) * params[i, 3]
-    # up to the top turn rate and down again, or not as far as to it
-    seconds = bend / rate + rate / quickening
-    if bend < rate * rate / quickening:
-        seconds = 2.0 * math.sqrt(bend / quickening)
-    return float(seconds + 0.5 / tuning[i, GAIN])
-
-
-@lean_kernel
-def _slow(i: int, params: Floats) -> float:
-    """Speed at which a truck steers fully in half the way of its turning radius."""
-    return float(min(0.5 * _turning_radius(i, params) * params[i, 7] / params[i, 6], params[i, 0]))
 
 
 @lean_kernel
@@ -329,7 +204,7 @@ def _pace(
     """Speed of the reference in the next dt seconds, metres a second."""
     x, y = _reference(course, end, k, sigma)
     lag = math.hypot(x - state[i, 0], y - state[i, 1])
-    braking = _brake(i, params)
+    braking = planned_braking(i, params)
     planned = course[k, SPEED]
     # who has caught up with the clock goes at its pace
     late = planned * max(clock - dt - sigma, 0.0)
@@ -344,7 +219,7 @@ def _pace(
     if bound < math.inf:
         left = _metres_to(course, end, k, sigma, bound, wanted * (dt + wanted / braking))
         wanted = min(wanted, max(_braked(pace, 0.0, left, braking, dt), least))
-    return float(min(pace + _SHARE * params[i, 2] * dt, wanted))
+    return float(min(pace + SHARE * params[i, 2] * dt, wanted))
 
 
 @lean_kernel
@@ -402,7 +277,7 @@ def _command_truck(
     speed: float, more: float, ahead_x: float, ahead_y: float, out: Floats,
 ) -> None:  # fmt: skip
     """Forward on the arc to a place ahead on the course; it stops level with where the reference stands."""
-    radius = _turning_radius(i, params)
+    radius = turning_radius(i, params)
     c, s = math.cos(state[i, 2]), math.sin(state[i, 2])
     level = c * ahead_x + s * ahead_y
     to_x, to_y = _place_ahead(course, end, k, sigma, 1.2 * radius + max(-level, 0.0))
@@ -411,8 +286,8 @@ def _command_truck(
     if speed == 0.0 and level <= tuning[i, TOLERANCE] and math.hypot(ahead_x, ahead_y) <= 2.0 * radius:
         out[i, 0] = out[i, 1] = 0.0
         return
-    forward = speed + math.copysign(_approach(abs(level), tuning[i, GAIN], (1.0 - _SHARE) * params[i, 2]), level)
-    slow = _slow(i, params)
+    forward = speed + math.copysign(_approach(abs(level), tuning[i, GAIN], (1.0 - SHARE) * params[i, 2]), level)
+    slow = slow_speed(i, params)
     if front < 0.0:
         # what lies behind is reached by a loop
         bend, forward = math.copysign(1.0 / radius, left), slow
@@ -423,11 +298,6 @@ def _command_truck(
         forward = min(forward, (1.0 - sharpness) * params[i, 0] + sharpness * slow)
     forward = max(more * forward, 0.0)
     out[i, 0], out[i, 1] = forward, bend * forward
-
-
-@lean_kernel
-def _turning_radius(i: int, params: Floats) -> float:
-    return float(params[i, 5] / math.tan(params[i, 6]))
 
 
 @lean_kernel

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taut.control._coordination_kernels import Pending, Waits, bounds
-from taut.control._following_kernels import LENGTH, TO_X, TO_Y, TOLERANCE, advance, command
+from taut.control._course_kernels import LENGTH, TO_X, TO_Y, TOLERANCE
+from taut.control._following_kernels import advance, command
 from taut.simulation._nearness_kernels import greatest, list_pairs, nearest_passing, nearest_shape
 from taut.simulation._vehicle_kernels import DIFFERENTIAL, INTEGRATOR, move
 from taut.team._lean import lean_kernel
@@ -36,7 +37,7 @@ _CREEP = 1e-6  # plan seconds a second: less is no progress
 class Team(NamedTuple):
     """What the robots are and what they plan to do; stamps of robot i are ``stamps[first[i]:first[i + 1]]``.
 
-    kinds, params, tuning, course: see `taut.control._following_kernels`. drift (n,): ground speed as a share of what
+    kinds, params, tuning, course: see `taut.control._course_kernels`. drift (n,): ground speed as a share of what
     the wheels make of it. dies (n,): seconds.
     """
 

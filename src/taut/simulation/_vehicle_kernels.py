@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from taut.control._following_kernels import ACKERMANN, DIFFERENTIAL, INTEGRATOR, UNICYCLE
+from taut.control._course_kernels import ACKERMANN, DIFFERENTIAL, INTEGRATOR, UNICYCLE
 from taut.team._lean import lean_kernel
 
 Floats = NDArray[np.float64]

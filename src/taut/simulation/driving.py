@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taut.certificate.clearance import shapes_of
-from taut.control._following_kernels import COLUMNS, TO_X, TO_Y, lay_courses
+from taut.control._course_kernels import COLUMNS, TO_X, TO_Y, lay_courses
 from taut.control.coordination import Dependencies, dependencies, pending
 from taut.control.tracking import Tracking, tuning
 from taut.motion import Plan
-from taut.scene import FloatArray
+from taut.scene import FloatArray, Scene
 from taut.simulation._loop_kernels import (
     COLLISIONS,
     EVENTS_FULL,
@@ -114,25 +115,34 @@ def setting_of(
     leaves = np.array([not scene.stays(robot) for robot in scene.robots], dtype=np.bool_)
     team = Team(kinds, params, tuned, course, radii, stamps, first, leaves, np.ones(n), np.full(n, np.inf))
     begin = course[first[:-1]]
-    shapes = shapes_of(scene)
-    edges = np.ascontiguousarray(shapes.edges)
-    x0, y0, size, columns, rows = grid_over(edges, max(len(edges), 16))
-    cells, sides = sides_of_cells(edges, x0, y0, size, columns, rows)
-    ground = Ground(edges, shapes.owner, shapes.radius, cells, sides, x0, y0, size, columns, rows)
-    fastest = max((float(row[0]) for row in params), default=1.0)
-    reach = max(4.0 * float(radii.max(initial=0.0)), 2.0 * scene.gap, 0.5 * fastest)
+    ground, shapes = ground_of(scene)
     return Setting(
         plan,
         tuple(robot.name for robot in scene.robots),
         team,
         np.arctan2(begin[:, TO_Y], begin[:, TO_X]),
         ground,
-        shapes.names,
+        shapes,
         waits,
         dt,
         scene.tol,
-        reach,
+        watched_within(scene, team),
     )
+
+
+def ground_of(scene: Scene) -> tuple[Ground, tuple[str, ...]]:
+    """Lay out obstacles and wall for the loop; returns their names, too."""
+    shapes = shapes_of(scene)
+    edges = np.ascontiguousarray(shapes.edges)
+    x0, y0, size, columns, rows = grid_over(edges, max(len(edges), 16))
+    cells, sides = sides_of_cells(edges, x0, y0, size, columns, rows)
+    return Ground(edges, shapes.owner, shapes.radius, cells, sides, x0, y0, size, columns, rows), shapes.names
+
+
+def watched_within(scene: Scene, team: Team) -> float:
+    """Metres between two robots up to which they are watched."""
+    fastest = max((float(row[0]) for row in team.params), default=1.0)
+    return max(4.0 * float(team.radii.max(initial=0.0)), 2.0 * scene.gap, 0.5 * fastest)
 
 
 def nobody_waits(plan: Plan) -> Dependencies:
@@ -153,23 +163,12 @@ def drive(
     Every ``stride``-th instant is recorded (none if 0) and shown to ``watch``. Safe to call on several threads.
     """
     n = len(setting.names)
-    fate = fate_of(setting.plan.scene, disturbances, seed)
-    params = setting.team.params.copy()
-    params[:, 0] *= fate.reach
-    team = setting.team._replace(params=params, drift=fate.drift, dies=fate.dies)
-    chance = Chance(
-        seed,
-        disturbances.stops,
-        disturbances.stop_seconds,
-        disturbances.position_noise,
-        disturbances.heading_noise,
-        disturbances.slip,
-    )
-    now, tally = _standing(setting), _unmeasured(n)
-    near = _nearness(setting, 1.0 + disturbances.speed_error)
+    team, chance = disturbed(setting.plan.scene, setting.team, disturbances, seed)
+    now, tally = standing(team, setting.headings), unmeasured(n)
+    near = nearness(setting.team, setting.ground, setting.reach, setting.dt, 1.0 + disturbances.speed_error)
     todo = pending(setting.waits)
-    counts = np.array([0, -1, 0, 0, 0], dtype=np.int64)
-    collisions, held = np.empty((len(near.pairs) + n + _EVENTS, 6)), np.empty((n + _EVENTS, 5))
+    counts = nothing_counted()
+    collisions, held = room_for_collisions(near), np.empty((n + _EVENTS, 5))
     kept: list[Rows] = []
     many = 1 + _RECORDED_AT_ONCE // max(n, 1)
     rows = _rows(1 if watch else many if stride else 0, n)
@@ -186,10 +185,9 @@ def drive(
             kept.append(_copied(rows, counts[ROWS]))
             counts[ROWS] = 0
         elif status == EVENTS_FULL:
-            collisions, held = _doubled(collisions, counts[PAIRS]), _doubled(held, 0)
+            collisions, held = more_events(collisions, counts[PAIRS]), more_events(held, 0)
         elif status == PAIRS_FULL:
-            near = near._replace(pairs=np.empty((2 * len(near.pairs) + 1, 3), dtype=np.int64))
-            counts[PAIRS] = -1
+            near = more_pairs(near, counts)
         else:
             break
     seconds = float(counts[STEP] * setting.dt)
@@ -211,20 +209,36 @@ def grid_over(edges: FloatArray, cells: int) -> tuple[float, float, float, int, 
     return float(x.min()), float(y.min()), float(size), int(width / size) + 1, int(height / size) + 1
 
 
-def _nearness(setting: Setting, faster: float) -> Near:
+def disturbed(scene: Scene, team: Team, disturbances: Disturbances, seed: int) -> tuple[Team, Chance]:
+    """Return the team that meets these disturbances, and what is left to chance in every step."""
+    fate = fate_of(scene, disturbances, seed)
+    params = team.params.copy()
+    params[:, 0] *= fate.reach
+    chance = Chance(
+        seed,
+        disturbances.stops,
+        disturbances.stop_seconds,
+        disturbances.position_noise,
+        disturbances.heading_noise,
+        disturbances.slip,
+    )
+    return team._replace(params=params, drift=fate.drift, dies=fate.dies), chance
+
+
+def nearness(team: Team, ground: Ground, reach: float, dt: float, faster: float) -> Near:
     """Room for pairs of robots that come near while none drives faster than ``faster`` times its top speed."""
-    n = len(setting.names)
-    most = float(setting.team.radii.max(initial=0.0))
-    fastest = max((float(row[0]) for row in setting.team.params), default=1.0) * faster
-    skin = max(setting.reach / 2, 20.0 * fastest * setting.dt)
-    width, height = (setting.ground.size * count for count in (setting.ground.columns, setting.ground.rows))
-    size = max(setting.reach + skin + 2.0 * most, max(width, height) / _MOST_CELLS)
+    n = len(team.kinds)
+    most = float(team.radii.max(initial=0.0))
+    fastest = max((float(row[0]) for row in team.params), default=1.0) * faster
+    skin = max(reach / 2, 20.0 * fastest * dt)
+    width, height = (ground.size * count for count in (ground.columns, ground.rows))
+    size = max(reach + skin + 2.0 * most, max(width, height) / _MOST_CELLS)
     columns, rows = int(width / size) + 1, int(height / size) + 1
     return Near(
         np.empty((_PAIRS * n, 3), dtype=np.int64),
         np.empty(columns * rows, dtype=np.int64),
         np.empty(n, dtype=np.int64),
-        setting.reach,
+        reach,
         skin,
         most,
         size,
@@ -235,12 +249,12 @@ def _nearness(setting: Setting, faster: float) -> Near:
     )
 
 
-def _standing(setting: Setting) -> Now:
-    """Robots at their starts, at rest, facing their first move."""
-    n, first = len(setting.names), setting.team.first
+def standing(team: Team, headings: FloatArray) -> Now:
+    """Robots at their starts, at rest."""
+    n, first = len(team.kinds), team.first
     state = np.zeros((n, 6))
-    state[:, :2] = setting.team.stamps[first[:-1], 1:]
-    state[:, 2] = setting.headings
+    state[:, :2] = team.stamps[first[:-1], 1:]
+    state[:, 2] = headings
     arrived = np.where(np.diff(first) == 1, 0.0, np.inf)
     return Now(
         state=state,
@@ -258,12 +272,13 @@ def _standing(setting: Setting) -> Now:
         slip=np.ones((n, 2)),
         waiting=np.full(n, -1, dtype=np.int64),
         arrived=arrived,
-        gone=np.where(setting.team.leaves, arrived, np.inf),
+        gone=np.where(team.leaves, arrived, np.inf),
         idle=np.zeros(2),
     )
 
 
-def _unmeasured(n: int) -> Tally:
+def unmeasured(n: int) -> Tally:
+    """Nothing measured yet, of n robots."""
     clear, apart = np.zeros((n, 5)), np.zeros((n, 5))
     clear[:, 0] = apart[:, 0] = np.inf
     clear[:, 4] = apart[:, 4] = -1
@@ -277,6 +292,27 @@ def _unmeasured(n: int) -> Tally:
     )
 
 
+def nothing_counted() -> NDArray[np.int64]:
+    """Counters at the beginning; the pairs have to be listed."""
+    return np.array([0, -1, 0, 0, 0], dtype=np.int64)
+
+
+def room_for_collisions(near: Near) -> FloatArray:
+    """Room for so many that the loop can begin."""
+    return np.empty((len(near.pairs) + len(near.moved) + _EVENTS, 6))
+
+
+def more_events(events: FloatArray, more: int) -> FloatArray:
+    """Twice the room for events, and ``more``."""
+    return np.concatenate([events, np.empty((len(events) + max(more, 0), events.shape[1]))])
+
+
+def more_pairs(near: Near, counts: NDArray[np.int64]) -> Near:
+    """Twice the room for pairs, which are to be listed anew."""
+    counts[PAIRS] = -1
+    return near._replace(pairs=np.empty((2 * len(near.pairs) + 1, 3), dtype=np.int64))
+
+
 def _rows(count: int, n: int) -> Rows:
     return Rows(
         np.empty(count), np.empty((count, n, 3)), np.empty((count, n)), np.empty((count, n)), np.empty((count, n))
@@ -285,7 +321,3 @@ def _rows(count: int, n: int) -> Rows:
 
 def _copied(rows: Rows, count: int) -> Rows:
     return Rows(*(part[:count].copy() for part in rows))
-
-
-def _doubled(events: FloatArray, more: int) -> FloatArray:
-    return np.concatenate([events, np.empty((len(events) + max(more, 0), events.shape[1]))])

@@ -12,7 +12,7 @@ from taut.certificate import certify
 from taut.control.coordination import dependencies
 from taut.errors import PlanError, SceneError
 from taut.motion import Plan
-from taut.scene import FloatArray, Point, Robot
+from taut.scene import FloatArray, Point, Robot, Scene
 from taut.simulation._loop_kernels import Now
 from taut.simulation.disturbances import Disturbances
 from taut.simulation.driving import Driven, Setting, Watching, drive, nobody_waits, setting_of
@@ -214,7 +214,7 @@ def simulate(
     (True, 0)
     """
     met = disturbances or Disturbances()
-    setting, vehicles = prepared(plan, vehicle, coordination, dt)
+    setting, vehicles = prepared(plan, vehicle, coordination, dt, met.position_noise)
     if not (math.isfinite(every) and every > 0):
         raise SceneError(f"the time between recorded instants must be positive and finite, got {every:g} s")
     seen: list[tuple[float, FloatArray]] = []
@@ -224,17 +224,17 @@ def simulate(
 
 
 def prepared(
-    plan: Plan, vehicle: str | Vehicle | Mapping[str, str | Vehicle], coordination: bool, dt: float
+    plan: Plan, vehicle: str | Vehicle | Mapping[str, str | Vehicle], coordination: bool, dt: float, noise: float = 0.0
 ) -> tuple[Setting, tuple[Vehicle, ...]]:
-    """Lay out a plan for any number of runs; raises as `simulate` does."""
+    """Lay out a plan for any number of runs of robots that know their places up to ``noise``; raises as `simulate`."""
     if not (math.isfinite(dt) and dt > 0):
         raise SceneError(f"the step must be positive and finite, got {dt:g} s")
     certificate = certify(plan)
     if not certificate.ok:
         raise PlanError(f"only plans that hold are simulated; {certificate.problems[0]}")
     robots = plan.scene.robots
-    vehicles = _vehicles(plan, vehicle)
-    trackings = [tracking_for(robot, own, dt) for robot, own in zip(robots, vehicles, strict=True)]
+    vehicles = vehicles_of(plan.scene, vehicle)
+    trackings = [tracking_for(robot, own, dt, noise) for robot, own in zip(robots, vehicles, strict=True)]
     waits = dependencies(plan) if coordination else nobody_waits(plan)
     return setting_of(plan, vehicles, trackings, dt, waits), vehicles
 
@@ -257,16 +257,36 @@ def checked_seed(seed: int) -> int:
     return int(seed)
 
 
-def _vehicles(plan: Plan, vehicle: str | Vehicle | Mapping[str, str | Vehicle]) -> tuple[Vehicle, ...]:
+def vehicles_of(
+    scene: Scene, vehicle: str | Vehicle | Mapping[str, str | Vehicle], reserve: float = 1.25
+) -> tuple[Vehicle, ...]:
+    """Return the vehicle of every robot, as `simulate` takes them; ``reserve`` as for `vehicle_for`."""
     if isinstance(vehicle, Mapping):
         for name in vehicle:
-            plan.scene.robot(name)
-        return tuple(_vehicle(robot, vehicle.get(robot.name, "differential")) for robot in plan.scene.robots)
-    return tuple(_vehicle(robot, vehicle) for robot in plan.scene.robots)
+            scene.robot(name)
+        return tuple(_vehicle(robot, vehicle.get(robot.name, "differential"), reserve) for robot in scene.robots)
+    return tuple(_vehicle(robot, vehicle, reserve) for robot in scene.robots)
 
 
-def _vehicle(robot: Robot, vehicle: str | Vehicle) -> Vehicle:
-    return vehicle_for(robot, vehicle) if isinstance(vehicle, str) else vehicle
+def _vehicle(robot: Robot, vehicle: str | Vehicle, reserve: float) -> Vehicle:
+    return vehicle_for(robot, vehicle, reserve) if isinstance(vehicle, str) else vehicle
+
+
+def collisions_of(rows: FloatArray, names: tuple[str, ...], shapes: tuple[str, ...]) -> tuple[Collision, ...]:
+    """Return the collisions that the loop has noted, by time, with the names of robots and shapes."""
+    noted = [
+        Collision(when, (x, y), names[int(i)], names[int(j)] if j >= 0 else shapes[-1 - int(j)], depth)
+        for i, j, when, x, y, depth in rows.tolist()
+    ]
+    return tuple(sorted(noted, key=lambda c: c.time))
+
+
+def nearest_of(rows: FloatArray, names: tuple[str, ...]) -> tuple[Nearest, ...]:
+    """Return for every robot what it came nearest to, as the loop has measured it."""
+    return tuple(
+        Nearest(distance, time, (x, y), names[int(other)] if other >= 0 else "")
+        for distance, time, x, y, other in rows.tolist()
+    )
 
 
 def looking(plan: Plan, lidar: Lidar, seed: int, seen: list[tuple[float, FloatArray]]) -> Watching:
@@ -295,10 +315,6 @@ def _run(
     scans: Scans | None,
 ) -> Run:
     names, tally = setting.names, driven.tally
-    collisions = [
-        Collision(when, (x, y), names[int(i)], names[int(j)] if j >= 0 else setting.shapes[-1 - int(j)], depth)
-        for i, j, when, x, y, depth in driven.collisions.tolist()
-    ]
     waits = [Wait(names[int(i)], names[int(j)], begin, end, lost) for i, j, begin, end, lost in driven.held.tolist()]
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.nan_to_num(np.sqrt(tally.done[:, 3] / tally.done[:, 4]))
@@ -316,17 +332,12 @@ def _run(
         arrivals=np.where(np.isinf(driven.now.arrived), np.nan, driven.now.arrived),
         greatest_stray=tally.worst[:, 0].copy(),
         mean_stray=mean,
-        clearances=tuple(_nearest(row, setting.shapes) for row in tally.clear.tolist()),
-        separations=tuple(_nearest(row, names) for row in tally.apart.tolist()),
-        collisions=tuple(sorted(collisions, key=lambda c: c.time)),
+        clearances=nearest_of(tally.clear, setting.shapes),
+        separations=nearest_of(tally.apart, names),
+        collisions=collisions_of(driven.collisions, names, setting.shapes),
         waits=tuple(sorted(waits, key=lambda w: w.begin)),
         distance=tally.done[:, 0].copy(),
         turned=tally.done[:, 1].copy(),
         work=tally.done[:, 2].copy(),
         scans=scans,
     )
-
-
-def _nearest(row: list[float], names: tuple[str, ...]) -> Nearest:
-    distance, time, x, y, other = row
-    return Nearest(distance, time, (x, y), names[int(other)] if other >= 0 else "")

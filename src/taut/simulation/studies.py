@@ -135,7 +135,7 @@ def study(
         raise SceneError("a study needs at least one seed")
     tracking_margin([0.0], probability, confidence)  # its errors come before the work
     met = disturbances or Disturbances()
-    setting, _ = prepared(plan, vehicle, coordination, dt)
+    setting, _ = prepared(plan, vehicle, coordination, dt, met.position_noise)
     until, lock = longest(plan), threading.Lock()
     done = 0
 
