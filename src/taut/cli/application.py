@@ -20,6 +20,8 @@ from taut.cli import (
     replan_command,
     scene_commands,
     simulate_command,
+    steer_command,
+    studio_command,
     travel_command,
 )
 from taut.cli.output import printable, say_error
@@ -39,6 +41,8 @@ app.command("plan")(plan_commands.plan)
 app.command("replan")(replan_command.replan)
 app.command("travel")(travel_command.travel)
 app.command("simulate")(simulate_command.simulate)
+app.command("steer")(steer_command.steer)
+app.command("studio")(studio_command.studio)
 app.command("verify")(plan_commands.verify)
 app.command("check")(scene_commands.check)
 app.command("show")(plan_commands.show)
@@ -132,7 +136,7 @@ def _run(words: list[str], debug: bool) -> int:
     try:
         # Not the stand-alone call: that one prints usage in boxes of several lines and turns Ctrl-C into exit code 1.
         command = typer.main.get_command(app)
-        with command.make_context("taut", words) as context:
+        with command.make_context("taut", words, obj={"debug": debug}) as context:
             command.invoke(context)
     except typer.Exit as end:
         return end.exit_code

@@ -1,10 +1,10 @@
-"""Runs in pictures: what vehicles have made of a plan, still with their errors over time, and in motion."""
+"""Runs in pictures: what vehicles have made of a plan or a law, still with courses over time, and in motion."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -33,17 +33,21 @@ from taut.figures.animation import (
 from taut.figures.canvas import sheet, show, size_in_points
 from taut.figures.courses import COURSE, NOTE_SIZE, add_strips, lengthen, title_strip
 from taut.figures.labels import Label, text_size, write
-from taut.figures.maps import outlines, scene_view
-from taut.figures.pictures import handle, line_handle, write_title
+from taut.figures.maps import draw_map, name_obstacles, outlines, scene_view
+from taut.figures.pictures import handle, line_handle, write_legend, write_title
 from taut.figures.plans import in_seconds, line_width, samples
-from taut.figures.saving import any_letters
-from taut.figures.style import BRIDGE, INK, Colour, darker, mix, robot_colours
+from taut.figures.saving import NO_STAMPS, _bytes, any_letters, check_kind
+from taut.figures.style import BRIDGE, INK, LINK, START, Colour, darker, mix, robot_colours
 from taut.figures.teams import FEW_ROBOTS, draw_team, end_marks, mark_radius, start_labels
+from taut.graph import Graph
 from taut.scene import FloatArray
+from taut.writing import replacing
 
 if TYPE_CHECKING:  # a picture of something else does not load the compiled code that simulates
+    from taut.control.laws import Links
     from taut.simulation.detector import Detector
-    from taut.simulation.running import Nearest, Run, Scans
+    from taut.simulation.running import Collision, Nearest, Run, Scans
+    from taut.simulation.steering import Steered
 
 Layer: TypeAlias = tuple[Callable[[int], None], list[Artist]]
 """What sets frame k of something that moves, and its artists in drawing order."""
@@ -137,6 +141,44 @@ def animate_run(
         write_film(target, renderer(axes, update, artists), film, [COLLISION])
 
 
+def draw_steered(run: Steered, links: Links | None = None, ax: Axes | None = None) -> Axes:
+    """Draw a team that steered itself: the ways from the starts, the robots where they ended, and collisions.
+
+    Parameters
+    ----------
+    run : what `steer` gives.
+    links : of the team, as for `taut.control.consensus`: drawn where it ended, and λ2 over time on a strip underneath.
+    ax : matplotlib Axes to draw the map on; a new figure with the strip if None.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Of the map.
+    """
+    view = scene_view(run.scene)
+    axes = sheet(view) if ax is None else ax
+    if ax is not None:
+        show(ax, view)
+    _draw_steered(axes, run, links)
+    if ax is None and links is not None:
+        _draw_connectivity(axes, run, links)
+    return axes
+
+
+def save_steered(run: Steered, path: str | os.PathLike[str], links: Links | None = None) -> None:
+    """Draw a team that steered itself, see `draw_steered`, into a .png (200 dpi), .svg or .pdf file.
+
+    Raises
+    ------
+    OutputError
+        Another extension, or a place that cannot be written.
+    """
+    target = Path(path)
+    kind = check_kind(target, tuple(NO_STAMPS), "pictures are written as")
+    with replacing(target) as scratch:
+        scratch.write_bytes(_bytes(draw_steered(run, links), kind, 200))
+
+
 def nearest_of(run: Run) -> tuple[str, Nearest] | None:
     """Return which robot came nearest to another or to an obstacle, and how; None if nobody came near anything."""
     both = [*zip(run.names, run.clearances, strict=True), *zip(run.names, run.separations, strict=True)]
@@ -183,15 +225,19 @@ def _handles(run: Run) -> list[Any]:
 
 
 def _collision_labels(axes: Axes, run: Run) -> list[Label]:
-    if not run.collisions:
+    return _labels_of(axes, run.collisions, len(run.names))
+
+
+def _labels_of(axes: Axes, collisions: Sequence[Collision], n: int) -> list[Label]:
+    if not collisions:
         return []
-    _mark_collisions(axes, np.array([hit.place for hit in run.collisions]), len(run.names))
-    if len(run.collisions) > FEW_COLLISIONS:
+    _mark_collisions(axes, np.array([hit.place for hit in collisions]), n)
+    if len(collisions) > FEW_COLLISIONS:
         return []
-    reach = 1.6 * mark_radius(len(run.names))
+    reach = 1.6 * mark_radius(n)
     return [
         Label(f"{hit.robot} hits {hit.other}\n{in_seconds(hit.time)}", hit.place, reach, darker(COLLISION), 7.0)
-        for hit in run.collisions
+        for hit in collisions
     ]
 
 
@@ -229,7 +275,61 @@ def _standing_labels(run: Run, standing: FloatArray) -> list[Label]:
     ]
 
 
-# --- errors over time
+def _draw_steered(axes: Axes, run: Steered, links: Links | None) -> None:
+    scene, n = run.scene, len(run.names)
+    colours = robot_colours(n)
+    draw_map(axes, scene)
+    name_obstacles(axes, scene)
+    ends, headings = run.poses[-1, :, :2], run.poses[-1, :, 2]
+    if links is not None and n:
+        graph = links if isinstance(links, Graph) else links(ends)
+        joined = LineCollection(list(ends[graph.edges]), colors=LINK, linewidths=0.8, alpha=0.6, zorder=6.0)
+        axes.add_collection(joined, autolim=False)
+    ways = [run.poses[:, k, :2] for k in range(n)]
+    axes.add_collection(
+        LineCollection(ways, colors=colours, linewidths=0.75 * line_width(n), zorder=6.2), autolim=False
+    )
+    starts = np.array([robot.start for robot in scene.robots], dtype=np.float64).reshape(n, 2)
+    axes.scatter(
+        starts[:, 0], starts[:, 1], s=4 * mark_radius(n) ** 2, c=START, edgecolors="white", linewidths=0.6, zorder=6.5
+    )
+    draw_team(axes, scene.robots, ends, colours)
+    ahead = np.array([robot.radius for robot in scene.robots])[:, None] * np.stack(
+        [np.cos(headings), np.sin(headings)], axis=1
+    )
+    noses = LineCollection(list(np.stack([ends, ends + ahead], axis=1)), colors="white", linewidths=1.2, zorder=8.2)
+    axes.add_collection(noses, autolim=False)
+    labels = _labels_of(axes, run.collisions, n)[
+        :1
+    ]  # who gathers collides in one place: the names of all would overlap
+    if n <= FEW_ROBOTS:
+        labels += start_labels(axes, scene, list(run.names), colours)
+    write(axes, labels, [(label.at, label.reach) for label in labels], samples(axes, [*ways, *outlines(scene)]))
+    marks = [handle("start", "o", START, "white"), line_handle("driven", INK)]
+    write_legend(axes, [*marks, handle("collision", "X", COLLISION, "white")] if run.collisions else marks)
+    state = (
+        f"settled after {in_seconds(run.settled_at)}" if run.settled else f"not settled in {in_seconds(run.seconds)}"
+    )
+    hits = len(run.collisions)
+    crashed = f"{hits} collision{'s' * (hits != 1)}" if hits else "no collision"
+    write_title(axes, scene.name, f"{state} · {crashed}", state)
+
+
+# --- courses over time
+
+
+def _draw_connectivity(axes: Axes, run: Steered, links: Links) -> None:
+    from taut.simulation.steering import fiedler_values
+
+    (strip,) = add_strips(axes, [COURSE], run.seconds or 1.0, [])
+    values = fiedler_values(run, links)
+    strip.set_ylim(0.0, 1.3 * float(values.max(initial=0.0)) or 1.0)
+    strip.yaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+    strip.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    strip.step(run.times, values, where="post", color=LINK, linewidth=1.4, zorder=3)
+    for time in sorted({hit.time for hit in run.collisions})[:200]:
+        strip.axvline(time, color=COLLISION, linewidth=0.7, zorder=2)
+    title_strip(strip, 0.0, "λ2: how well the team holds together", "λ2")
 
 
 def _draw_errors(axes: Axes, run: Run) -> None:

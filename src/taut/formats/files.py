@@ -74,6 +74,51 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     return plan_of(document)
 
 
+def load_scene_or_plan(path_or_name: str | os.PathLike[str]) -> Scene | Plan:
+    """Return what a file holds: a scene as `load_scene` reads it, or the plan of a .json file that says it is one.
+
+    Raises
+    ------
+    SceneError
+        As `load_scene` and `load_plan`.
+    """
+    path = Path(path_or_name)
+    if path.suffix.lower() == ".json" and path.is_file():
+        return value_of_text(read_text(path, json_text.LIMIT), os.fspath(path))
+    return load_scene(path_or_name)
+
+
+def value_of_text(text: str, name: str) -> Scene | Plan:
+    """Return the scene or plan that the text of a file means.
+
+    Parameters
+    ----------
+    text : what the file holds.
+    name : of the file; its ending tells the kind, the text itself does where the ending is unknown. Named in errors.
+
+    Raises
+    ------
+    SceneError
+        Anything wrong in it: one line, with the number of the line where there is one.
+    """
+    if not text.strip():
+        raise SceneError("is empty", name)
+    suffix = Path(name).suffix.lower()
+    if suffix not in (*_YAML, ".json", ".geojson", ".map"):
+        begin = text.lstrip()[:4]
+        suffix = ".json" if begin[0] == "{" else ".map" if begin == "type" else ".yaml"
+    if suffix == ".map":
+        return movingai.map_of_text(text, name)
+    if suffix in _YAML:
+        if len(text) > yaml_text.LIMIT:
+            raise SceneError(f"is larger than {yaml_text.LIMIT >> 20} MB, the limit for this kind of file", name)
+        return scene_of(yaml_text.parse_yaml(text, name))
+    document = json_text.parse_json(text, name)
+    if document.data.get("type") == "FeatureCollection" or suffix == ".geojson":
+        return geojson.scene_of_geojson(document)
+    return plan_of(document) if document.data.get("kind") == "plan" else scene_of(document)
+
+
 def save(value: Scene | Plan, path: str | os.PathLike[str]) -> None:
     """Write a scene (.yaml, .yml, .json, .geojson) or a plan (.json), wholly or not at all; no digit is lost.
 
@@ -109,6 +154,19 @@ def scene_names() -> tuple[str, ...]:
     if not folder.is_dir():
         return ()
     return tuple(sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".yaml")))
+
+
+def scene_abouts() -> tuple[tuple[str, str], ...]:
+    """Return name and first sentence of every ready scene; it stands in the comment at the head of its file."""
+    listed = []
+    for name in scene_names():
+        words: list[str] = []
+        for line in (resources.files("taut") / "scenes" / f"{name}.yaml").read_text(encoding="utf-8").splitlines():
+            if not line.startswith("#") or line.startswith("# Source"):
+                break
+            words += line.lstrip("# ").split()
+        listed.append((name, " ".join(words).partition(". ")[0].rstrip(".")))
+    return tuple(listed)
 
 
 def _ready(name: str) -> Document:

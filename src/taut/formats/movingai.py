@@ -37,11 +37,15 @@ def load_map(path: str | os.PathLike[str]) -> Scene:
     SceneError
         No such file, or anything wrong in it: one line, with file and line number.
     """
-    free = free_cells(path)
+    return map_of_text(read_text(path, _LIMIT), os.fspath(path))
+
+
+def map_of_text(text: str, file: str) -> Scene:
+    """Return the scene of the text of a .map file, see `load_map`."""
+    free = _cells(text, file)
     rows, columns = free.shape
     obstacles = [Polygon(ring) for ring in _rings(~free)]
-    name = Path(path).stem
-    return Scene((-0.5, -0.5, columns - 0.5, rows - 0.5), obstacles, name=name)
+    return Scene((-0.5, -0.5, columns - 0.5, rows - 0.5), obstacles, name=Path(file).stem)
 
 
 def free_cells(path: str | os.PathLike[str]) -> NDArray[np.bool_]:
@@ -54,8 +58,11 @@ def free_cells(path: str | os.PathLike[str]) -> NDArray[np.bool_]:
     SceneError
         As `load_map`.
     """
-    file = os.fspath(path)
-    lines = read_text(path, _LIMIT).splitlines()
+    return _cells(read_text(path, _LIMIT), os.fspath(path))
+
+
+def _cells(text: str, file: str) -> NDArray[np.bool_]:
+    lines = text.splitlines()
     size: dict[str, int] = {}
     for number, line in enumerate(lines, 1):
         words = line.split()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         linked,
         scan,
     )
+    from taut.simulation.steering import Steered, fiedler_values, formation_error, steer
     from taut.simulation.studies import Study, Trial, load_margin, save_study, study, study_summary
     from taut.simulation.surroundings import Surroundings, surroundings_of
     from taut.simulation.vehicles import (
@@ -55,6 +56,7 @@ __all__ = [
     "Run",
     "Scan",
     "Scans",
+    "Steered",
     "Study",
     "Surroundings",
     "Trial",
@@ -64,6 +66,8 @@ __all__ = [
     "contact_kept",
     "detect",
     "driven_plan",
+    "fiedler_values",
+    "formation_error",
     "linked",
     "load_margin",
     "run_data",
@@ -72,6 +76,7 @@ __all__ = [
     "scan",
     "scene_from",
     "simulate",
+    "steer",
     "stopped",
     "study",
     "study_summary",
@@ -99,6 +104,7 @@ if not TYPE_CHECKING:
             "linked",
             "scan",
         ),
+        "taut.simulation.steering": ("Steered", "fiedler_values", "formation_error", "steer"),
         "taut.simulation.studies": ("Study", "Trial", "load_margin", "save_study", "study", "study_summary"),
         "taut.simulation.surroundings": ("Surroundings", "surroundings_of"),
         "taut.simulation.vehicles": (

@@ -1,0 +1,44 @@
+// @ts-check
+// The strip that tells when the server is gone, and what to do.
+
+import { announce } from "studio/announce.js";
+import { clear, element } from "studio/dom.js";
+import { icon } from "studio/icons.js";
+
+/** A short break, as when a laptop wakes, is not worth a word. */
+const PATIENCE = 800;
+
+/**
+ * @param {HTMLElement} root
+ * @param {{store: import("studio/store.js").Store, link: import("studio/link.js").Link, drafts: any}} page
+ */
+export function showBanner(root, { store, link, drafts }) {
+  let timer = 0;
+  let shown = "";
+
+  store.on(["server"], ({ server: { state, refused } }) => {
+    clearTimeout(timer);
+    const want = state === "gone" ? (refused ? "new" : "gone") : "";
+    if (want === shown) return;
+    timer = setTimeout(() => show(want), want && !shown ? PATIENCE : 0);
+  });
+
+  /** @param {string} want */
+  function show(want) {
+    const was = shown;
+    shown = want;
+    clear(root);
+    if (!want) {
+      if (was) announce("The server is back.");
+      return;
+    }
+    drafts.flush();
+    const text = want === "new"
+      ? ["The studio was started anew and has a new address. Your work is kept in this browser: open the address that ",
+        element("code", {}, "taut studio"), " printed, and it is offered there."]
+      : ["Server gone: your work is kept in this browser; start ", element("code", {}, "taut studio"), " again."];
+    root.append(icon("warn", 18), element("span", {}, ...text),
+      element("button", { type: "button", class: "button small", onclick: () => link.retry() }, "Try now"));
+    announce(root.textContent ?? "", { urgent: true });
+  }
+}

@@ -1,0 +1,177 @@
+// @ts-check
+// The link to the server: asks and answers over one WebSocket, and coming back when it is gone.
+
+/** What the server found wrong with what was asked; `message` is one sentence. */
+export class Wrong extends Error {
+  /** @param {Record<string, any>} said */
+  constructor(said) {
+    super(said.message);
+    this.name = "Wrong";
+    this.said = said;
+    this.kind = said.kind ?? null;
+  }
+}
+
+/** An ask that ended without an answer: "newer", "cancelled" or "lost". */
+export class Stopped extends Error {
+  /** @param {string} reason */
+  constructor(reason) {
+    super(`stopped: ${reason}`);
+    this.name = "Stopped";
+    this.reason = reason;
+  }
+}
+
+const FIRST_PAUSE = 250; // milliseconds before the first try to come back; each next one is twice as long
+const LONGEST_PAUSE = 4000;
+const TOKEN_KEY = "taut-studio-token";
+
+/**
+ * @typedef {{promise: Promise<any>, cancel: () => void, id: number}} Asked
+ * @typedef {{lane?: string, progress?: (said: any) => void}} AskOptions
+ * @typedef {{id: number, kind: string, frame: string, progress: (said: any) => void, resolve: (ok: any) => void,
+ *   reject: (error: Error) => void, sent: boolean}} Pending
+ */
+
+/** The address of the link of this page, with the token that its address or this tab has. */
+export function linkAddress() {
+  const given = new URLSearchParams(location.search).get("token");
+  if (given) sessionStorage.setItem(TOKEN_KEY, given);
+  const token = given ?? sessionStorage.getItem(TOKEN_KEY) ?? "";
+  const scheme = location.protocol === "https:" ? "wss" : "ws";
+  return `${scheme}://${location.host}/link?token=${encodeURIComponent(token)}`;
+}
+
+/**
+ * Open the link. Events: "hello" (what the server says first), "state" (of its workers), "up", "down" ({refused}).
+ * What is asked while the link is down waits for it; what was under way when it broke ends with Stopped("lost").
+ * @param {string} [url]
+ */
+export function createLink(url = linkAddress()) {
+  /** @type {Map<number, Pending>} */
+  const pending = new Map();
+  /** @type {Record<string, Set<(said: any) => void>>} */
+  const listeners = {};
+  /** @type {WebSocket | null} */
+  let socket = null;
+  let up = false;
+  let ended = false;
+  let pause = FIRST_PAUSE;
+  let nextId = 1;
+  let timer = 0;
+
+  /** @param {string} event @param {any} [said] */
+  const emit = (event, said) => {
+    for (const listener of listeners[event] ?? []) listener(said);
+  };
+
+  /** @param {Pending} ask */
+  const send = (ask) => {
+    ask.sent = true;
+    socket?.send(ask.frame);
+  };
+
+  /** @param {any} message */
+  const receive = (message) => {
+    if (message.hello) return emit("hello", message.hello);
+    if (message.state) return emit("state", message.state);
+    const ask = pending.get(message.id);
+    if (!ask) return undefined;
+    if (message.progress) return ask.progress(message.progress);
+    pending.delete(ask.id);
+    if ("ok" in message) return ask.resolve(message.ok);
+    return ask.reject(message.wrong ? new Wrong(message.wrong) : new Stopped(message.stopped ?? "lost"));
+  };
+
+  const lost = () => {
+    for (const ask of [...pending.values()].filter(({ sent }) => sent)) {
+      pending.delete(ask.id);
+      ask.reject(new Stopped("lost"));
+    }
+  };
+
+  const connect = () => {
+    socket = new WebSocket(url);
+    socket.onopen = () => {
+      up = true;
+      pause = FIRST_PAUSE;
+      emit("up");
+      for (const ask of pending.values()) send(ask);
+    };
+    socket.onmessage = ({ data }) => receive(JSON.parse(data));
+    socket.onclose = async () => {
+      up = false;
+      lost();
+      if (ended) return;
+      emit("down", { refused: await refused() });
+      timer = setTimeout(connect, pause);
+      pause = Math.min(2 * pause, LONGEST_PAUSE);
+    };
+  };
+
+  connect();
+  return {
+    /**
+     * Ask the server. Newer asks in the same lane stop older ones.
+     * @param {string} kind
+     * @param {Record<string, any>} [fields]
+     * @param {AskOptions} [options]
+     * @returns {Asked}
+     */
+    ask(kind, fields = {}, { lane, progress = () => {} } = {}) {
+      const id = nextId++;
+      const frame = JSON.stringify({ id, ask: kind, ...(lane ? { lane } : {}), ...fields });
+      const promise = new Promise((resolve, reject) => {
+        const ask = { id, kind, frame, progress, resolve, reject, sent: false };
+        pending.set(id, ask);
+        if (up) send(ask);
+      });
+      const cancel = () => {
+        const ask = pending.get(id);
+        if (!ask) return;
+        if (up && ask.sent) socket?.send(JSON.stringify({ cancel: id }));
+        else {
+          pending.delete(id);
+          ask.reject(new Stopped("cancelled"));
+        }
+      };
+      return { promise, cancel, id };
+    },
+
+    /**
+     * Listen to an event; returns a function that ends it.
+     * @param {string} event
+     * @param {(said: any) => void} listener
+     */
+    on(event, listener) {
+      (listeners[event] ??= new Set()).add(listener);
+      return () => listeners[event].delete(listener);
+    },
+
+    isUp: () => up,
+
+    /** Try now rather than when the pause is over. */
+    retry() {
+      if (up || ended) return;
+      clearTimeout(timer);
+      connect();
+    },
+
+    close() {
+      ended = true;
+      clearTimeout(timer);
+      socket?.close();
+    },
+  };
+}
+
+/** @typedef {ReturnType<typeof createLink>} Link */
+
+/** Whether a server is there but does not know this page's token: it was started anew. */
+async function refused() {
+  try {
+    return (await fetch(location.href, { method: "HEAD", cache: "no-store" })).status === 403;
+  } catch {
+    return false;
+  }
+}

@@ -1,0 +1,202 @@
+// @ts-check
+// What came of planning: the certificate and its numbers, costs against the bound, conflicts, notes; or why not.
+
+import { clear, element } from "studio/dom.js";
+import { icon } from "studio/icons.js";
+import { duration } from "studio/status.js";
+
+/** Rows of conflicts and robots that are shown before "Show all". */
+const FEW = 12;
+
+/**
+ * @param {{store: import("studio/store.js").Store, player: import("studio/player.js").Player, commands: any}} page
+ * @returns {HTMLElement}
+ */
+export function createResult({ store, player, commands }) {
+  const root = element("div", { class: "result" });
+  const open = new Set();
+  let frame = 0;
+
+  /** Go to a place of the map, and to a time of the plan. @param {{time?: number | null, place?: any}} spot */
+  const go = ({ time = null, place = null }) => {
+    if (time !== null) {
+      player.pause();
+      player.seek(time);
+    }
+    if (place) commands.reveal(place);
+    store.set({ focus: Object.freeze({ time, place }) });
+  };
+
+  function refresh() {
+    frame = 0;
+    const { answer, planning, problems, scene } = store.get();
+    clear(root);
+    if (problems.length) root.append(problemCard(problems, go, store));
+    if (planning.state === "failed" && !covers(problems, planning.wrong)) root.append(failureCard(planning.wrong, go));
+    if (!answer) {
+      if (!problems.length && planning.state !== "failed") root.append(emptyCard(scene, planning));
+      return;
+    }
+    root.append(verdictCard(answer, planning, go));
+    const { certificate, conflicts, notes } = answer;
+    if (certificate) root.append(certificateTable(certificate, go));
+    root.append(...folds(answer));
+    if (conflicts.length) {
+      root.append(fold("conflicts", `Conflicts resolved (${conflicts.length})`, conflicts.map((/** @type {any} */ each) =>
+        spot(each.sentence, each.time, () => go(each),
+          (on) => store.set({ hover: on ? { kind: "conflict", name: each.robot, conflict: each } : null })))));
+    }
+    if (notes.length) root.append(fold("notes", `Notes (${notes.length})`,
+      notes.map((/** @type {string} */ note) => element("li", {}, note))));
+  }
+
+  /** @param {any} answer */
+  function folds({ plan, detours, shortest }) {
+    const lines = plan.robots.map((/** @type {any} */ { name, stamps }) => {
+      const arrival = stamps[stamps.length - 1][0];
+      const way = shortest[name] === undefined ? "" : `shortest way ${figure(shortest[name])} m`;
+      return spot([name, `arrives at ${figure(arrival)} s`, way, detours[name]].filter(Boolean).join(", "), null,
+        () => store.set({ selection: Object.freeze([{ kind: "robot", name }]) }),
+        (on) => store.set({ hover: on ? { kind: "robot", name } : null }));
+    });
+    return lines.length ? [fold("robots", `Robots (${lines.length})`, lines)] : [];
+  }
+
+  /** @param {string} key @param {string} title @param {HTMLElement[]} lines */
+  function fold(key, title, lines) {
+    const all = open.has(`${key} all`) || lines.length <= FEW;
+    const list = element("ul", { class: "spots" }, ...(all ? lines : lines.slice(0, FEW)));
+    if (!all) {
+      list.append(element("li", {}, element("button", { type: "button", class: "button small ghost",
+        onclick: () => (open.add(`${key} all`), refresh()) }, `Show all ${lines.length}`)));
+    }
+    return element("details", { class: "group", open: open.has(key), ontoggle: (/** @type {any} */ event) =>
+      (event.target.open ? open.add(key) : open.delete(key)) }, element("summary", {}, title), list);
+  }
+
+  const later = () => {
+    frame ||= requestAnimationFrame(refresh);
+  };
+  store.on(["answer", "planning", "problems", "scene"], (now, before) => {
+    const same = now.answer === before.answer && now.problems === before.problems &&
+      now.planning.state === before.planning.state && now.planning.wrong === before.planning.wrong;
+    if (!same) later();
+  });
+  later();
+  return root;
+}
+
+/** Whether the problems listed say already what planning found wrong. @param {any[]} problems @param {any} wrong */
+const covers = (problems, wrong) => problems.some(({ message }) => message === wrong?.message);
+
+/** @param {any[]} problems @param {(spot: any) => void} go @param {import("studio/store.js").Store} store */
+function problemCard(problems, go, store) {
+  const choose = (/** @type {any} */ { names, kind, place }) => {
+    const known = kind === "robot" ? "robot" : kind === "obstacle" ? "obstacle" : null;
+    if (known && names.length) {
+      store.set({ selection: Object.freeze(names.map((/** @type {string} */ name) => ({ kind: known, name }))) });
+    }
+    go({ place });
+  };
+  return element("section", { class: "card bad", "aria-label": "Problems" },
+    element("h3", {}, icon("warn", 16), problems.length === 1 ? "One problem" : `${problems.length} problems`),
+    element("ul", { class: "spots" }, ...problems.map((each) => spot(each.message, null, () => choose(each)))));
+}
+
+/** @param {any} wrong @param {(spot: any) => void} go */
+function failureCard(wrong, go) {
+  const sentences = (wrong?.why?.sentences ?? []).filter((/** @type {string} */ said) => !wrong.message.includes(said));
+  const at = wrong?.place ?? wrong?.why?.gap?.place ?? null;
+  return element("section", { class: "card bad", "aria-label": "Why there is no plan" },
+    element("h3", {}, icon("warn", 16), "No plan"),
+    element("p", {}, wrong?.message ?? "Planning failed."),
+    ...sentences.map((/** @type {string} */ said) => element("p", {}, said)),
+    at ? element("button", { type: "button", class: "button small", onclick: () => go({ place: at, time: wrong.time }) },
+      "Show where") : null);
+}
+
+/** @param {any} scene @param {any} planning */
+function emptyCard(scene, planning) {
+  const text = !scene?.robots.length ? "Put in a robot, and its plan appears here."
+    : planning.running ? "Planning…" : "No plan yet.";
+  return element("p", { class: "group quiet" }, text);
+}
+
+/** @param {any} answer @param {any} planning @param {(spot: any) => void} go */
+function verdictCard({ certificate, metrics, improved, opened }, { state, seconds }, go) {
+  const old = state === "stale" || state === "failed";
+  const ok = certificate?.ok;
+  const title = old ? "Last good plan" : ok ? "Certified" : certificate ? "Not certified" : "Plan from file";
+  const took = opened ? "from a file" : `${improved ? "improved" : "planned"} in ${duration(seconds ?? 0)}`;
+  const card = element("section", { class: `card ${old ? "stale" : ok ? "good" : certificate ? "bad" : ""}`,
+    id: "verdict", "aria-label": "Result" },
+  element("h3", {}, ok && !old ? icon("check", 16) : null, title, element("span", { class: "quiet number" }, took)));
+  if (metrics) card.append(element("dl", { class: "figures number" }, ...costRows(metrics).flatMap(([name, value, hint]) =>
+    [element("dt", { title: hint ?? null }, name), element("dd", {}, value)])));
+  for (const problem of certificate?.problems ?? []) card.append(element("ul", { class: "spots" },
+    spot(problem.text, problem.time, () => go(problem))));
+  return card;
+}
+
+/** @param {any} metrics @returns {[string, string, string?][]} */
+function costRows({ sum_of_costs: sum, makespan, length, lower_bound: bound, above }) {
+  /** @type {[string, string, string?][]} */
+  const rows = [["Sum of costs", `${figure(sum)} s`], ["Makespan", `${figure(makespan)} s`],
+    ["Length", `${figure(length)} m`]];
+  if (bound) {
+    const of = bound.of === "makespan" ? "the makespan" : "the sum of costs";
+    rows.push([`Bound (${bound.model})`, `${figure(bound.value)} s`, `No plan of this model has ${of} below it.`]);
+  }
+  if (above !== null && above !== undefined) rows.push(["Above the bound", above <= 0 ? "0 %, optimal" : `${share(above)} %`]);
+  return rows;
+}
+
+/** @param {any} certificate @param {(spot: any) => void} go */
+function certificateTable({ separation, clearance, max_speed_ratio: speed, contact, tol }, go) {
+  const line = (/** @type {string} */ name, /** @type {string} */ value, /** @type {any} */ at, /** @type {string} */ words) =>
+    [element("dt", {}, name), element("dd", {}, at ? element("button", { type: "button", class: "spot-link", title: words,
+      "aria-label": `${name} ${value}: ${words}`, onclick: () => go(at) }, value) : value)];
+  const found = [
+    ...(separation ? line("Least separation", `${figure(separation.value)} m`, separation,
+      `${separation.robots.join(" and ")} at ${figure(separation.time)} s`) : []),
+    ...(clearance ? line("Least clearance", `${figure(clearance.value)} m`, clearance,
+      `${clearance.robot} and ${clearance.obstacle} at ${figure(clearance.time)} s`) : []),
+    ...line("Top speed used", `${share(speed)} %`, null, ""),
+    ...(contact ? contactLines(contact, line) : []),
+    ...line("Tolerance", `${tol.toExponential(1)} m`, null, ""),
+  ];
+  return element("dl", { class: "figures number group", "aria-label": "Certificate" }, ...found);
+}
+
+/** @param {any} contact @param {(name: string, value: string, at: any, words: string) => HTMLElement[]} line */
+function contactLines({ lambda2, lambda2_time: at, needed_range: range, needed_time: when }, line) {
+  return [
+    ...(lambda2 === null ? [] : line("Least λ2", figure(lambda2), { time: at }, `at ${figure(at)} s`)),
+    ...(range === null ? [] : line("Range needed", `${figure(range)} m`, { time: when }, `at ${figure(when)} s`)),
+  ];
+}
+
+/**
+ * A sentence that leads to a time or place.
+ * @param {string} text @param {number | null | undefined} time @param {() => void} run
+ * @param {(on: boolean) => void} [hover]
+ */
+function spot(text, time, run, hover = () => {}) {
+  return element("li", {}, element("button", { type: "button", class: "spot", onclick: run,
+    onpointerenter: () => hover(true), onpointerleave: () => hover(false), onfocus: () => hover(true),
+    onblur: () => hover(false) },
+  typeof time === "number" ? element("span", { class: "spot-time number" }, `${figure(time)} s`) : null,
+  element("span", {}, text)));
+}
+
+/** @param {number} value three to four digits that mean something */
+export function figure(value) {
+  const size = Math.abs(value);
+  if (size === 0) return "0";
+  const text = size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(1) : size >= 0.01 ? value.toFixed(3 - (size >= 10 ? 1 : 0))
+    : value.toExponential(1);
+  return text.replace("-", "−");
+}
+
+/** @param {number} part of one */
+const share = (part) => (100 * part).toFixed(part >= 0.1 ? 1 : 2);

@@ -1,0 +1,241 @@
+// @ts-check
+// Live planning and checking: after each change the newest scene is planned, and the last good plan stays until then.
+
+import { announce } from "studio/announce.js";
+import { toast } from "studio/dialogs.js";
+import { newestOnly } from "studio/planner_lane.js";
+import { improveSettings, liveSettings } from "studio/planner_settings.js";
+
+const STALE_AFTER = 200; // milliseconds: a plan that is older than that is drawn as stale
+const SLOW = 300; // milliseconds: scenes that take longer are planned during drags only when the pointer rests
+const REST = 150;
+const CHECK_PACE = 120; // milliseconds between checks during a drag: the processor is for the plans then
+const KEPT_LATENCIES = 2000;
+
+/**
+ * @typedef {{revision: number, scene: any, settings: Record<string, any>, improved: boolean, at: number,
+ *   moved: number | null}} Request
+ */
+
+/**
+ * Keep `planning`, `answer` and `problems` of the store in step with its scene and settings.
+ * @param {{store: import("studio/store.js").Store, link: import("studio/link.js").Link,
+ *   history: {dragging: () => boolean}}} page
+ */
+export function createPlanner({ store, link, history }) {
+  /** @type {Map<number, Request>} */
+  const requests = new Map();
+  /** @type {number[]} */
+  const latencies = [];
+  let improving = false;
+  let tookLast = 0;
+  let answered = 0; // the revision of the newest result
+  let moved = /** @type {number | null} */ (null);
+  let restTimer = 0;
+  let staleTimer = 0;
+  let checkTimer = 0;
+
+  const tell = (/** @type {Record<string, any>} */ patch) => store.set({ planning: { ...store.get().planning, ...patch } });
+
+  const plans = newestOnly({
+    start() {
+      const { scene, revision, settings } = store.get();
+      const improved = improving;
+      const asked = link.ask("plan", { scene, settings: improved ? improveSettings(settings) : liveSettings(settings) },
+        { lane: "plan", progress: (said) => requests.has(asked.id) && tell({ progress: said }) });
+      requests.set(asked.id, { revision, scene, settings, improved, at: performance.now(), moved });
+      moved = null;
+      tell({ id: asked.id, running: true, improving: improved, progress: null, began: performance.now() });
+      return asked;
+    },
+    done(ok, asked) {
+      const request = land(asked);
+      if (!request || request.revision < answered) return;
+      const seconds = (performance.now() - request.at) / 1000;
+      if (!request.improved) tookLast = seconds * 1000;
+      show(request, ok, seconds);
+    },
+    failed(error, asked) {
+      const request = land(asked);
+      if (!request || request.revision < answered) return undefined;
+      if (request.improved && store.get().answer?.revision === request.revision) return unimproved(error);
+      answered = request.revision;
+      if (!request.improved) tookLast = performance.now() - request.at;
+      clearTimeout(staleTimer);
+      const wrong = error.said ?? { message: error.message };
+      tell({ state: "failed", wrong, revision: request.revision, progress: null });
+      if (isNewest(request) && !history.dragging()) announce(`No plan. ${wrong.message}`);
+      return undefined;
+    },
+    ended(reason) {
+      improving = false;
+      const { revision, answer, settings } = store.get();
+      const same = answer?.revision === revision && answer.settings === settings;
+      tell({ running: false, improving: false, progress: null, state: same ? "fresh" : answer ? "stale" : "idle" });
+      if (reason === "cancelled") announce("Planning stopped.");
+    },
+  });
+
+  const checks = newestOnly({
+    start: () => link.ask("check", { scene: store.get().scene }, { lane: "check" }),
+    done: (ok) => store.set({ problems: ok.problems, notes: ok.notes }),
+    failed: () => {},
+  });
+
+  /** @param {{id: number}} asked */
+  function land(asked) {
+    const request = requests.get(asked.id);
+    for (const id of [...requests.keys()]) if (id <= asked.id) requests.delete(id);
+    if (request?.improved) improving = false;
+    tell({ running: plans.running(), improving });
+    return request;
+  }
+
+  /** @param {Request} request */
+  const isNewest = ({ revision, settings }) => store.get().revision === revision && store.get().settings === settings;
+
+  /** @param {Request} request @param {any} ok @param {number} seconds */
+  function show(request, ok, seconds) {
+    answered = request.revision;
+    clearTimeout(staleTimer);
+    const { scene, revision, settings, improved } = request;
+    const newest = isNewest(request);
+    store.set({
+      answer: Object.freeze({ ...ok, scene, revision, settings, improved }),
+      planning: { ...store.get().planning, state: newest ? "fresh" : "planning", wrong: null, revision, seconds,
+        progress: null },
+    });
+    if (!newest) ageing();
+    if (newest && !history.dragging()) announce(spoken(ok, improved));
+    if (request.moved !== null) painted(request.moved);
+  }
+
+  /** @param {Error} error of an improvement; the live plan still holds */
+  function unimproved(error) {
+    tell({ state: "fresh", progress: null });
+    toast(`Not improved. ${error.message}`, { kind: "bad" });
+  }
+
+  /** Measure, when the frame with this plan is on the screen, how long ago the pointer moved. */
+  function painted(/** @type {number} */ start) {
+    requestAnimationFrame(() => {
+      const channel = new MessageChannel();
+      channel.port1.onmessage = () => {
+        const end = performance.now();
+        performance.measure("drag-to-plan", { start, end });
+        latencies.push(end - start);
+        if (latencies.length > KEPT_LATENCIES) latencies.shift();
+      };
+      channel.port2.postMessage(null);
+    });
+  }
+
+  function ageing() {
+    clearTimeout(staleTimer);
+    staleTimer = setTimeout(() => {
+      if (store.get().planning.state === "planning") tell({ state: "stale" });
+    }, STALE_AFTER);
+  }
+
+  function changed() {
+    const { scene, planning, answer, revision, settings } = store.get();
+    if (!scene) return;
+    if (answer?.opened && answer.revision === revision && answer.settings === settings) return;
+    improving = false;
+    clearTimeout(restTimer);
+    if (scene.robots.length === 0) return empty();
+    if (planning.state === "fresh" || planning.state === "idle") {
+      tell({ state: "planning" });
+      ageing();
+    }
+    if (history.dragging() && tookLast > SLOW) restTimer = setTimeout(plans.want, REST);
+    else plans.want();
+  }
+
+  function check() {
+    if (!store.get().scene) return;
+    if (!history.dragging()) {
+      clearTimeout(checkTimer);
+      checkTimer = 0;
+      checks.want();
+    } else checkTimer ||= setTimeout(() => {
+      checkTimer = 0;
+      checks.want();
+    }, CHECK_PACE);
+  }
+
+  function empty() {
+    plans.cancel();
+    requests.clear();
+    clearTimeout(staleTimer);
+    store.set({ answer: null, planning: { state: "idle", running: false, progress: null, wrong: null } });
+  }
+
+  // The pointer's own time is when the mouse moved, not when the page came to hear of it.
+  const movedAt = (/** @type {Event} */ { type, timeStamp }) => {
+    if (type !== "pointermove") moved = null;
+    else if (history.dragging()) moved = timeStamp;
+  };
+  for (const type of ["pointermove", "pointerdown", "keydown"]) window.addEventListener(type, movedAt, true);
+
+  const ends = [
+    store.on(["revision", "settings"], changed),
+    store.on(["revision"], check),
+    link.on("hello", () => {
+      if (!store.get().scene) return;
+      checks.want();
+      if (store.get().planning.state !== "fresh") changed();
+    }),
+  ];
+
+  return {
+    latencies,
+
+    /** Run the chosen method with its budget; the live plan stays until a better one is there. */
+    improve() {
+      if (!store.get().scene?.robots.length) return;
+      clearTimeout(restTimer);
+      improving = true;
+      plans.want();
+    },
+
+    stop: () => plans.cancel(),
+
+    /** Plan anew, as after a change. */
+    replan: changed,
+
+    /**
+     * Show a plan that came from a file, until something changes.
+     * @param {any} plan
+     * @param {any} scene
+     */
+    showPlan(plan, scene) {
+      plans.cancel();
+      requests.clear();
+      const { revision, settings } = store.get();
+      answered = revision;
+      const answer = { plan, certificate: plan.certificate ?? null, metrics: plan.metrics ?? null, conflicts: [],
+        detours: {}, shortest: {}, notes: [], phases: {}, history: [] };
+      store.set({
+        answer: Object.freeze({ ...answer, scene, revision, settings, improved: false, opened: true }),
+        planning: { state: "fresh", running: false, progress: null, wrong: null, revision, seconds: null },
+      });
+    },
+
+    destroy() {
+      plans.cancel();
+      checks.cancel();
+      for (const end of ends) end();
+      for (const type of ["pointermove", "pointerdown", "keydown"]) window.removeEventListener(type, movedAt, true);
+    },
+  };
+}
+
+/** @typedef {ReturnType<typeof createPlanner>} Planner */
+
+/** @param {any} ok @param {boolean} improved */
+function spoken({ metrics, certificate }, improved) {
+  const proved = certificate?.ok ? "certified" : "not certified";
+  const cost = metrics ? `, sum of costs ${metrics.sum_of_costs.toFixed(2)} seconds` : "";
+  return `${improved ? "Improved plan" : "Plan"} ready${cost}, ${proved}.`;
+}

@@ -1,0 +1,58 @@
+// @ts-check
+// Which settings go with which: what live planning runs, and what Improve runs.
+
+/** @typedef {Record<string, any>} Settings */
+
+/** Methods that go on until a budget ends them; live planning takes the quick one in their place. */
+const LONG = ["repair", "optimal"];
+
+/** Seconds that Improve takes where the user set neither rounds nor seconds. */
+export const IMPROVE_SECONDS = 10;
+
+/**
+ * Whether a setting means anything with the method chosen.
+ * @param {Settings} settings
+ * @param {string} name
+ */
+export function applies({ method = null }, name) {
+  const rules = /** @type {Record<string, boolean>} */ ({
+    order: method !== "search",
+    roadmap: method !== "mrppa",
+    objective: method === "repair" || method === "optimal",
+    within: method === "optimal",
+    contact: method !== "optimal",
+  });
+  return rules[name] ?? true;
+}
+
+/**
+ * What live planning asks for: quick, whatever the budgets.
+ * @param {Settings} settings
+ * @returns {Settings}
+ */
+export function liveSettings(settings) {
+  const quick = LONG.includes(settings.method) ? { ...settings, method: null, objective: null, within: null } : settings;
+  return meant({ ...quick, rounds: null, seconds: null });
+}
+
+/**
+ * What Improve asks for: the method with its budget; quick methods are followed by repair.
+ * @param {Settings} settings
+ * @returns {Settings}
+ */
+export function improveSettings(settings) {
+  const method = settings.method === "prioritized" ? "repair" : settings.method;
+  const budget = settings.rounds || settings.seconds ? {} : { seconds: IMPROVE_SECONDS };
+  return meant({ ...settings, ...budget, method });
+}
+
+/**
+ * The settings without those that mean nothing here or have no value.
+ * @param {Settings} settings
+ * @returns {Settings}
+ */
+function meant(settings) {
+  return Object.fromEntries(
+    Object.entries(settings).filter(([name, value]) => value !== null && value !== undefined && applies(settings, name)),
+  );
+}
