@@ -7,15 +7,13 @@ import os
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 from rich.cells import cell_len
 
-from taut.cli import main
+from commands import Command, command_in, refused
 from taut.cli.tables import say_table
 from taut.errors import NoPlanFound, SceneError
 
@@ -32,33 +30,9 @@ robots:
 """
 
 
-@dataclass(frozen=True)
-class Run:
-    """What one command line did."""
-
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> Any:
-        """The one object on stdout."""
-        return json.loads(self.out)
-
-
-Taut = Callable[..., Run]
-
-
 @pytest.fixture
-def taut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Taut:
-    monkeypatch.chdir(tmp_path)
-
-    def run(*words: str | Path) -> Run:
-        code = main([str(word) for word in words])
-        said = capsys.readouterr()
-        return Run(code, said.out, said.err)
-
-    return run
+def taut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    return command_in(tmp_path, monkeypatch, capsys)
 
 
 @pytest.fixture
@@ -69,20 +43,9 @@ def hall(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def plan(taut: Taut, hall: Path) -> Path:
+def plan(taut: Command, hall: Path) -> Path:
     assert taut("plan", hall, "-o", "plan.json").code == 0
     return hall.with_name("plan.json")
-
-
-def refused(run: Run, *words: str, code: int = 2) -> bool:
-    """Assert that the command refused in one line that holds the words."""
-    assert run.code == code, (run.out, run.err)
-    assert run.err.startswith("taut: error: ")
-    assert run.err.count("\n") == 1, run.err
-    assert "Traceback" not in run.err
-    for word in words:
-        assert word in run.err, run.err
-    return True
 
 
 # --- bad input ---
@@ -112,7 +75,7 @@ BAD_SCENES: dict[str, tuple[str, str, tuple[str, ...]]] = {
 @pytest.mark.parametrize("case", BAD_SCENES)
 @pytest.mark.parametrize("command", ["plan", "check"])
 def test_a_bad_scene_is_refused_in_one_line_and_nothing_is_written(
-    taut: Taut, hall: Path, case: str, command: str
+    taut: Command, hall: Path, case: str, command: str
 ) -> None:
     old, new, words = BAD_SCENES[case]
     assert old in HALL
@@ -123,7 +86,7 @@ def test_a_bad_scene_is_refused_in_one_line_and_nothing_is_written(
     assert os.listdir(hall.parent) == ["hall.yaml"]
 
 
-def test_point_robots_need_a_gap(taut: Taut, hall: Path) -> None:
+def test_point_robots_need_a_gap(taut: Command, hall: Path) -> None:
     hall.write_text(HALL.replace("gap: 0.05\n", "").replace("radius: 0.3", "radius: 0"))
     assert refused(taut("plan", hall), "gap")
 
@@ -142,7 +105,7 @@ GARBAGE: dict[str, bytes] = {
 
 @pytest.mark.parametrize("name", ["scene.yaml", "scene.json", "scene.geojson"])
 @pytest.mark.parametrize("case", GARBAGE)
-def test_garbage_is_refused_in_one_line(taut: Taut, tmp_path: Path, case: str, name: str) -> None:
+def test_garbage_is_refused_in_one_line(taut: Command, tmp_path: Path, case: str, name: str) -> None:
     (tmp_path / name).write_bytes(GARBAGE[case])
     assert refused(taut("plan", name, "-o", "plan.json"), name)
     assert refused(taut("show", name), name)
@@ -150,13 +113,13 @@ def test_garbage_is_refused_in_one_line(taut: Taut, tmp_path: Path, case: str, n
 
 
 @pytest.mark.parametrize("case", GARBAGE)
-def test_a_garbage_plan_is_refused_in_one_line(taut: Taut, tmp_path: Path, case: str) -> None:
+def test_a_garbage_plan_is_refused_in_one_line(taut: Command, tmp_path: Path, case: str) -> None:
     (tmp_path / "plan.json").write_bytes(GARBAGE[case])
     assert refused(taut("verify", "plan.json"), "plan.json")
 
 
 @pytest.mark.parametrize("command", ["plan", "check", "show", "graph", "verify"])
-def test_a_missing_file_and_a_directory_are_refused(taut: Taut, tmp_path: Path, command: str) -> None:
+def test_a_missing_file_and_a_directory_are_refused(taut: Command, tmp_path: Path, command: str) -> None:
     (tmp_path / "dir.yaml").mkdir()
     (tmp_path / "dir.json").mkdir()
     assert refused(taut(command, "nowhere.yaml"), "nowhere.yaml")
@@ -165,11 +128,11 @@ def test_a_missing_file_and_a_directory_are_refused(taut: Taut, tmp_path: Path, 
     assert refused(taut(command, tmp_path))
 
 
-def test_a_misspelt_ready_scene_is_refused(taut: Taut) -> None:
+def test_a_misspelt_ready_scene_is_refused(taut: Command) -> None:
     assert refused(taut("plan", "thesis-9"), "thesis-9")
 
 
-def test_a_cut_off_goal_is_exit_code_1_with_the_reason(taut: Taut, hall: Path) -> None:
+def test_a_cut_off_goal_is_exit_code_1_with_the_reason(taut: Command, hall: Path) -> None:
     wall = "obstacles:\n  - {name: wall, line: [[7, 0], [7, 10]], width: 0.2}"
     hall.write_text(HALL.replace("obstacles:", wall))
     assert refused(taut("plan", hall, "-o", "plan.json"), "R1", code=1)
@@ -201,7 +164,7 @@ def test_a_cut_off_goal_is_exit_code_1_with_the_reason(taut: Taut, hall: Path) -
     ],
 )
 def test_an_output_that_cannot_be_written_is_refused_before_planning(
-    taut: Taut, hall: Path, monkeypatch: pytest.MonkeyPatch, option: str, name: str, word: str
+    taut: Command, hall: Path, monkeypatch: pytest.MonkeyPatch, option: str, name: str, word: str
 ) -> None:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("planned although the output cannot be written")
@@ -218,12 +181,12 @@ def test_an_output_that_cannot_be_written_is_refused_before_planning(
     assert sorted(os.listdir(hall.parent)) == before
 
 
-def test_a_film_without_ffmpeg_is_refused(taut: Taut, hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_film_without_ffmpeg_is_refused(taut: Command, hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(hall.parent))
     assert refused(taut("plan", hall, "--animate", "plan.mp4"), "ffmpeg", ".gif")
 
 
-def test_wrong_command_lines_are_refused_in_one_line(taut: Taut, hall: Path) -> None:
+def test_wrong_command_lines_are_refused_in_one_line(taut: Command, hall: Path) -> None:
     assert refused(taut("plna", hall), "plna", "--help")
     assert refused(taut("plan"), "SCENE")
     assert refused(taut("plan", hall, "--colour", "red"), "--colour")
@@ -243,7 +206,7 @@ def test_wrong_command_lines_are_refused_in_one_line(taut: Taut, hall: Path) -> 
     assert refused(taut("random", "-o", "scene.txt"), ".yaml")
 
 
-def test_help_and_version(taut: Taut) -> None:
+def test_help_and_version(taut: Command) -> None:
     import taut as package
 
     bare = taut()
@@ -264,7 +227,7 @@ def broken(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
     monkeypatch.setattr("taut.formats.load_scene", fail)
 
 
-def test_an_error_inside_is_one_line_unless_debug(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_inside_is_one_line_unless_debug(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     broken(monkeypatch, ZeroDivisionError("by zero\nand more"))
     assert refused(taut("check", "x"), "internal error", "report", "--debug", "ZeroDivisionError", code=70)
     for words in (("--debug", "check", "x"), ("check", "x", "--debug")):
@@ -273,12 +236,12 @@ def test_an_error_inside_is_one_line_unless_debug(taut: Taut, monkeypatch: pytes
         assert "Traceback" in run.err
 
 
-def test_an_interrupt_is_exit_code_130(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_is_exit_code_130(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     broken(monkeypatch, KeyboardInterrupt())
     assert refused(taut("check", "x"), "interrupted", code=130)
 
 
-def test_an_interrupt_inside_compiled_code_is_exit_code_130(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_inside_compiled_code_is_exit_code_130(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     wrapped = SystemError("<built-in function search> returned a result with an exception set")
     wrapped.__cause__ = KeyboardInterrupt()
     broken(monkeypatch, wrapped)
@@ -289,7 +252,7 @@ def test_an_interrupt_inside_compiled_code_is_exit_code_130(taut: Taut, monkeypa
     assert refused(taut("check", "x"), "interrupted", code=130)
 
 
-def test_an_interrupt_while_the_libraries_load_is_exit_code_130(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_while_the_libraries_load_is_exit_code_130(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     class Interrupting:
         @staticmethod
         def find_spec(name: str, *_: object) -> None:
@@ -301,7 +264,7 @@ def test_an_interrupt_while_the_libraries_load_is_exit_code_130(taut: Taut, monk
     assert refused(taut("scenes"), "interrupted", code=130)
 
 
-def test_remarks_of_libraries_are_not_shown(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_remarks_of_libraries_are_not_shown(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     def remark(*_: object, **__: object) -> None:
         warnings.warn("overflow encountered in multiply", RuntimeWarning, stacklevel=1)
         raise SceneError("is empty")
@@ -312,7 +275,7 @@ def test_remarks_of_libraries_are_not_shown(taut: Taut, monkeypatch: pytest.Monk
         assert refused(taut("check", "x"), "is empty")
 
 
-def test_an_error_of_the_system_is_one_line(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_of_the_system_is_one_line(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     broken(monkeypatch, PermissionError(13, "Permission denied", "x"))
     assert refused(taut("check", "x"), "x: Permission denied")
 
@@ -372,7 +335,7 @@ def test_an_old_code_page_does_not_crash(hall: Path) -> None:
 # --- planning ---
 
 
-def test_plan_prints_a_table_and_writes_what_is_asked(taut: Taut, hall: Path) -> None:
+def test_plan_prints_a_table_and_writes_what_is_asked(taut: Command, hall: Path) -> None:
     run = taut("plan", hall, "-o", "plan.json", "--figure", "plan.png", "--animate", "plan.gif", "--graph")
     assert (run.code, run.err) == (0, "")
     assert sorted(os.listdir(hall.parent)) == ["hall.yaml", "plan.gif", "plan.json", "plan.png"]
@@ -386,7 +349,7 @@ def test_plan_prints_a_table_and_writes_what_is_asked(taut: Taut, hall: Path) ->
     assert written["certificate"]["ok"] is True
 
 
-def test_plan_in_json_tells_the_same(taut: Taut, hall: Path) -> None:
+def test_plan_in_json_tells_the_same(taut: Command, hall: Path) -> None:
     run = taut("plan", hall, "--json", "-o", "plan.json")
     told = run.json
     assert told["ok"] is True
@@ -400,7 +363,7 @@ def test_plan_in_json_tells_the_same(taut: Taut, hall: Path) -> None:
     assert written["certificate"]["min_separation"] == told["certificate"]["min_separation"]
 
 
-def test_the_same_seed_gives_the_same_file(taut: Taut, hall: Path) -> None:
+def test_the_same_seed_gives_the_same_file(taut: Command, hall: Path) -> None:
     contents = []
     for name in ("a.json", "b.json"):
         assert taut("plan", hall, "-o", name, "--seed", "3").code == 0
@@ -410,14 +373,14 @@ def test_the_same_seed_gives_the_same_file(taut: Taut, hall: Path) -> None:
 
 
 @pytest.mark.parametrize("order", ["given", "shortest", "longest"])
-def test_every_order_plans(taut: Taut, hall: Path, order: str) -> None:
+def test_every_order_plans(taut: Command, hall: Path, order: str) -> None:
     told = taut("plan", hall, "--order", order, "--json").json
     assert told["ok"] is True
     assert sorted(told["planner"]["order"]) == ["R1", "R2"]
 
 
 def test_an_uncertified_plan_is_not_written_and_said_to_be_so(
-    taut: Taut, hall: Path, monkeypatch: pytest.MonkeyPatch
+    taut: Command, hall: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from dataclasses import replace
 
@@ -444,7 +407,7 @@ def test_an_uncertified_plan_is_not_written_and_said_to_be_so(
     assert run.json["files"] == []
 
 
-def test_names_cannot_steer_the_terminal(taut: Taut, hall: Path) -> None:
+def test_names_cannot_steer_the_terminal(taut: Command, hall: Path) -> None:
     hall.write_text(HALL.replace("name: R1", r'name: "[bold]\e[31mR1"'))
     run = taut("check", hall)
     assert run.code == 0
@@ -452,7 +415,7 @@ def test_names_cannot_steer_the_terminal(taut: Taut, hall: Path) -> None:
     assert "\x1b" not in run.out
 
 
-def test_nothing_is_cut_in_a_pipe(taut: Taut, hall: Path) -> None:
+def test_nothing_is_cut_in_a_pipe(taut: Command, hall: Path) -> None:
     name = "R" * 200
     hall.write_text(HALL.replace("name: R1", f"name: {name}"))
     assert name in taut("plan", hall).out
@@ -481,7 +444,7 @@ def test_nothing_is_cut_in_a_narrow_terminal(
 # --- verifying ---
 
 
-def test_a_written_plan_verifies(taut: Taut, plan: Path) -> None:
+def test_a_written_plan_verifies(taut: Command, plan: Path) -> None:
     run = taut("verify", plan)
     assert (run.code, run.err) == (0, "")
     assert "least separation" in run.out
@@ -489,12 +452,12 @@ def test_a_written_plan_verifies(taut: Taut, plan: Path) -> None:
     assert taut("verify", plan, "--json").json["ok"] is True
 
 
-def test_a_plan_for_another_scene_does_not_verify(taut: Taut, plan: Path) -> None:
+def test_a_plan_for_another_scene_does_not_verify(taut: Command, plan: Path) -> None:
     assert refused(taut("verify", plan, "--scene", "thesis-2"), "does not hold", code=1)
 
 
 @pytest.mark.parametrize("amount", [1e-6, 1.0])
-def test_a_damaged_plan_does_not_verify(taut: Taut, plan: Path, amount: float) -> None:
+def test_a_damaged_plan_does_not_verify(taut: Command, plan: Path, amount: float) -> None:
     content = json.loads(plan.read_text())
     content["robots"][0]["stamps"][0][1] += amount
     plan.write_text(json.dumps(content))
@@ -506,7 +469,7 @@ def test_a_damaged_plan_does_not_verify(taut: Taut, plan: Path, amount: float) -
     assert run.json["problems"][0]["robots"] == ["R1"]
 
 
-def test_a_plan_of_a_scene_that_cannot_be_used_is_never_certified(taut: Taut, plan: Path, hall: Path) -> None:
+def test_a_plan_of_a_scene_that_cannot_be_used_is_never_certified(taut: Command, plan: Path, hall: Path) -> None:
     crossing = HALL.replace("[6, 3], [6, 7]", "[6, 7], [6, 3]")
     hall.write_text(crossing)
     assert refused(taut("verify", plan, "--scene", hall), str(hall), "box", "crosses itself")
@@ -520,7 +483,7 @@ def test_a_plan_of_a_scene_that_cannot_be_used_is_never_certified(taut: Taut, pl
 
 
 def test_a_picture_does_not_believe_the_certificate_of_the_file(
-    taut: Taut, plan: Path, monkeypatch: pytest.MonkeyPatch
+    taut: Command, plan: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[Any] = []
     monkeypatch.setattr("taut.figures.save_figure", lambda value, *_, **__: drawn.append(value))
@@ -535,7 +498,7 @@ def test_a_picture_does_not_believe_the_certificate_of_the_file(
 # --- the other commands ---
 
 
-def test_check_tells_counts_notes_and_lengths(taut: Taut, hall: Path) -> None:
+def test_check_tells_counts_notes_and_lengths(taut: Command, hall: Path) -> None:
     hall.write_text(HALL.replace("obstacles:", "obstacles:\n  - {name: lid, rectangle: [3, 7, 4, 0.5]}"))
     run = taut("check", hall)
     assert (run.code, run.err) == (0, "")
@@ -547,7 +510,7 @@ def test_check_tells_counts_notes_and_lengths(taut: Taut, hall: Path) -> None:
     assert any("lid" in note for note in told["notes"])
 
 
-def test_show_sums_up_and_draws(taut: Taut, plan: Path) -> None:
+def test_show_sums_up_and_draws(taut: Command, plan: Path) -> None:
     run = taut("show", "hall.yaml", "-o", "scene.svg", "--graph")
     assert (run.code, run.err) == (0, "")
     assert "hall" in run.out
@@ -560,7 +523,7 @@ def test_show_sums_up_and_draws(taut: Taut, plan: Path) -> None:
     assert refused(taut("show", "hall.yaml", "--animate", "scene.gif"), "does not move")
 
 
-def test_show_says_that_a_plan_does_not_hold(taut: Taut, plan: Path) -> None:
+def test_show_says_that_a_plan_does_not_hold(taut: Command, plan: Path) -> None:
     content = json.loads(plan.read_text())
     content["robots"][0]["stamps"][-1][2] += 0.5
     plan.write_text(json.dumps(content))
@@ -568,7 +531,7 @@ def test_show_says_that_a_plan_does_not_hold(taut: Taut, plan: Path) -> None:
 
 
 @pytest.mark.parametrize("command", ["plan", "check", "graph"])
-def test_errors_after_loading_name_the_file(taut: Taut, hall: Path, command: str) -> None:
+def test_errors_after_loading_name_the_file(taut: Command, hall: Path, command: str) -> None:
     hall.write_text(HALL.replace("start: [1, 5]", "start: [4.5, 5]"))
     assert refused(taut(command, hall), f"taut: error: {hall}: robot R1")
     wall = "obstacles:\n  - {name: wall, line: [[7, 0], [7, 10]], width: 0.2}"
@@ -577,7 +540,7 @@ def test_errors_after_loading_name_the_file(taut: Taut, hall: Path, command: str
         assert refused(taut(command, hall), f"taut: error: {hall}: ", "R1", code=1)
 
 
-def test_errors_about_a_ready_scene_name_it(taut: Taut, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_errors_about_a_ready_scene_name_it(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object, **__: object) -> None:
         raise NoPlanFound("no plan was found")
 
@@ -602,7 +565,7 @@ def test_absurd_places_are_one_line_and_no_warnings(plan: Path, size: str) -> No
     assert "cannot be drawn" in done.stderr
 
 
-def test_graph_counts(taut: Taut, hall: Path) -> None:
+def test_graph_counts(taut: Command, hall: Path) -> None:
     told = taut("graph", "thesis-1", "--json").json
     assert [size["growth"] for size in told["sizes"]] == [0.0]
     # 24 corners of obstacles, 3 starts, one shared goal. With the coordinates taken as decimals there are 150 visible
@@ -617,7 +580,7 @@ def test_graph_counts(taut: Taut, hall: Path) -> None:
     assert "0.5" in run.out
 
 
-def test_random_writes_and_prints_the_same_scene(taut: Taut, tmp_path: Path) -> None:
+def test_random_writes_and_prints_the_same_scene(taut: Command, tmp_path: Path) -> None:
     from taut.formats import load_scene
 
     words = ["random", "--robots", "4", "--obstacles", "6", "--seed", "5", "--radius", "0.2,0.4", "--leave"]
@@ -634,7 +597,7 @@ def test_random_writes_and_prints_the_same_scene(taut: Taut, tmp_path: Path) -> 
     assert taut("random", "--robots", "3", "--size", "30,20", "--well-formed", "--json").json["robots"]
 
 
-def test_scenes_are_listed_with_a_line_each(taut: Taut) -> None:
+def test_scenes_are_listed_with_a_line_each(taut: Command) -> None:
     from taut.formats import load_scene
 
     told = taut("scenes", "--json").json["scenes"]
@@ -647,17 +610,37 @@ def test_scenes_are_listed_with_a_line_each(taut: Taut) -> None:
     assert len(taut("scenes").out.splitlines()) == len(told)
 
 
-def test_warmup_plans_and_certifies(taut: Taut) -> None:
+def test_warmup_plans_and_certifies(taut: Command) -> None:
     run = taut("warmup", "--json")
     assert run.code == 0
     assert run.json["ok"] is True
 
 
-def test_after_warmup_simulating_compiles_nothing(taut: Taut, tmp_path: Path) -> None:
+def test_after_warmup_simulating_compiles_nothing(taut: Command, tmp_path: Path) -> None:
     """Whatever kernel the first simulation calls, warmup has called with arrays of the same types."""
     plan = tmp_path / "plan.json"
     assert taut("plan", "thesis-2", "-o", plan).code == 0
-    options = ["--lidar", "--dies", "R1@2", "--vehicle", "ackermann", "--after", str(tmp_path / "now.yaml")]
+    after = tmp_path / "now.yaml"
+    once = [plan, "--lidar", "--dies", "R1@2", "--vehicle", "ackermann", "--after", after]
+    before, more = compiled_by(["simulate", *once], ["simulate", plan, "--seeds", "2", "--stops", "0.1"])
+    assert any(kernel.startswith("run_steps") for kernel in before)
+    assert more == []
+    assert after.exists()
+
+
+def test_after_warmup_steering_compiles_nothing(tmp_path: Path) -> None:
+    figure = tmp_path / "team.png"
+    alone = ["steer", "thesis-2", "--vehicle", "ackermann", "--stops", "0.1", "--seconds", "2"]
+    linked = ["steer", "thesis-2", "--law", "rendezvous", "--reach", "20", "--seconds", "2", "--figure", figure]
+    before, more = compiled_by(alone, linked)
+    assert any(kernel.startswith("steer_step") for kernel in before)
+    assert more == []
+    assert figure.exists()
+
+
+def compiled_by(*commands: list[Any]) -> tuple[list[str], list[str]]:
+    """Return what kernels, with what types, a new process has after warmup, and those that the commands add."""
+    lines = [list(map(str, command)) for command in commands]
     code = f"""
 import contextlib, gc, io, json
 from numba.core.dispatcher import Dispatcher
@@ -670,14 +653,12 @@ def ready():
 with contextlib.redirect_stdout(io.StringIO()):
     assert main(["warmup"]) == 0
     before = ready()
-    main(["simulate", {str(plan)!r}, *{options!r}])
-    main(["simulate", {str(plan)!r}, "--seeds", "2", "--stops", "0.1"])
+    for line in {lines!r}:
+        main(line)
 print(json.dumps([sorted(before), sorted(ready() - before)]))
 """
     before, more = in_a_new_process(code)
-    assert any(kernel.startswith("run_steps") for kernel in before)
-    assert more == []
-    assert (tmp_path / "now.yaml").exists()
+    return before, more
 
 
 # --- the package ---
@@ -715,7 +696,7 @@ def test_planning_loads_no_pictures() -> None:
     assert in_a_new_process(code) is False
 
 
-def test_costs_stand_beside_the_bound_on_the_same_objective(taut: Taut) -> None:
+def test_costs_stand_beside_the_bound_on_the_same_objective(taut: Command) -> None:
     run = taut("plan", "crossing-30", "--rounds", "2", "--objective", "makespan")
     lines = [line for line in run.out.splitlines() if "at least" in line]
     assert len(lines) == 1
@@ -725,11 +706,11 @@ def test_costs_stand_beside_the_bound_on_the_same_objective(taut: Taut) -> None:
     assert report["gap"] == pytest.approx(report["makespan"] / report["lower_bound"]["value"] - 1)
 
 
-def test_a_proven_optimum_is_called_proven(taut: Taut) -> None:
+def test_a_proven_optimum_is_called_proven(taut: Command) -> None:
     assert "gap 0.00 %, proven" in taut("plan", "thesis-2", "--method", "optimal").out
 
 
-def test_a_plan_made_on_lanes_is_made_again_on_the_file_given(taut: Taut, tmp_path: Path) -> None:
+def test_a_plan_made_on_lanes_is_made_again_on_the_file_given(taut: Command, tmp_path: Path) -> None:
     lanes = {"vertices": [[1, 5], [1, 8], [9, 8], [9, 5]], "edges": [[0, 1], [1, 2], [2, 3]]}
     (tmp_path / "lanes.json").write_text(json.dumps(lanes))
     (tmp_path / "one.yaml").write_text(
@@ -742,7 +723,7 @@ def test_a_plan_made_on_lanes_is_made_again_on_the_file_given(taut: Taut, tmp_pa
     assert "1 of 1 robots keep their motions" in again.out
 
 
-def test_why_nothing_can_be_planned_stands_below_the_error(taut: Taut, tmp_path: Path) -> None:
+def test_why_nothing_can_be_planned_stands_below_the_error(taut: Command, tmp_path: Path) -> None:
     (tmp_path / "c.yaml").write_text(
         "taut: 1\nbounds: [0, 0, 10, 1]\nrobots:\n"
         "  - {name: A, start: [1, 0.5], goal: [9, 0.5], radius: 0.4}\n"

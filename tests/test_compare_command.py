@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from taut.cli import main
+from commands import Command, command_in, on_scenes, refused
 from taut.comparison import compare as compare_ways
 from taut.comparison import compare_random, summary
 from taut.formats import load_scene
 from taut.route.ways import WAYS
-from test_cli import Run, refused
 
 ROOM = """\
 taut: 1
@@ -45,23 +43,10 @@ SUMMARY = {
     "mean_turning", "vertices", "edges", "obstacles", "build_seconds", "query_seconds", "trials",
 }  # fmt: skip
 
-Command = Callable[..., Run]
-
 
 @pytest.fixture
 def compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    monkeypatch.chdir(tmp_path)
-
-    def run(scene: str, *words: str) -> Run:
-        """Run the command on a ready scene, or on the text of one."""
-        if "\n" in scene:
-            (tmp_path / "scene.yaml").write_text(scene)
-            scene = "scene.yaml"
-        code = main(["compare", scene, *words])
-        said = capsys.readouterr()
-        return Run(code, said.out, said.err)
-
-    return run
+    return on_scenes(command_in(tmp_path, monkeypatch, capsys, "compare"))
 
 
 def rows(text: str, head: str) -> list[list[str]]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 import taut.team
-from taut.cli import main
+from commands import Command, command_in, refused
 from taut.contact import Contact, contact_of
 from taut.errors import PlanError
 from taut.formats import load_plan, plan_from_dict, plan_to_dict, save
@@ -22,33 +22,9 @@ from taut.motion import Plan, Trajectory
 from taut.scene import Robot, Scene
 
 
-@dataclass(frozen=True)
-class Run:
-    """What one command line did."""
-
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> Any:
-        """The one object on stdout."""
-        return json.loads(self.out)
-
-
-Taut = Callable[..., Run]
-
-
 @pytest.fixture
-def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Taut:
-    monkeypatch.chdir(tmp_path)
-
-    def run(*words: str | Path) -> Run:
-        code = main([str(word) for word in words])
-        said = capsys.readouterr()
-        return Run(code, said.out, said.err)
-
-    return run
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    return command_in(tmp_path, monkeypatch, capsys)
 
 
 def column(claims: Mapping[str, object] | None = None, speed: float = 1.0) -> Plan:
@@ -70,22 +46,11 @@ def files(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def refused(run: Run, *words: str) -> bool:
-    """Assert that the command refused in one line that holds the words."""
-    assert run.code == 2, (run.out, run.err)
-    assert run.err.startswith("taut: error: ")
-    assert run.err.count("\n") == 1, run.err
-    assert run.out == ""
-    for word in words:
-        assert word in run.err, run.err
-    return True
-
-
 # --- verify
 
 
 @pytest.mark.parametrize("words", [("claims.json",), ("plain.json", "--contact", "2.5")])
-def test_contact_is_proved_as_claimed_or_as_asked(command: Taut, files: Path, words: tuple[str, ...]) -> None:
+def test_contact_is_proved_as_claimed_or_as_asked(command: Command, files: Path, words: tuple[str, ...]) -> None:
     run = command("verify", *words)
     assert run.code == 0
     facts = {line[:18].strip(): line[18:].strip() for line in run.out.splitlines()}
@@ -98,7 +63,7 @@ def test_contact_is_proved_as_claimed_or_as_asked(command: Taut, files: Path, wo
     assert facts["certified"].startswith("yes")
 
 
-def test_without_a_claim_or_a_demand_nothing_is_said_of_contact(command: Taut, files: Path) -> None:
+def test_without_a_claim_or_a_demand_nothing_is_said_of_contact(command: Command, files: Path) -> None:
     run = command("verify", "plain.json")
     assert run.code == 0
     assert "contact" not in run.out
@@ -107,7 +72,7 @@ def test_without_a_claim_or_a_demand_nothing_is_said_of_contact(command: Taut, f
 
 
 @pytest.mark.parametrize("words", [("boasts.json",), ("plain.json", "--contact", "2.1")])
-def test_contact_that_is_lost_is_told_and_exit_code_1(command: Taut, files: Path, words: tuple[str, ...]) -> None:
+def test_contact_that_is_lost_is_told_and_exit_code_1(command: Command, files: Path, words: tuple[str, ...]) -> None:
     run = command("verify", *words)
     assert run.code == 1
     (problem,) = [line for line in run.out.splitlines() if line.startswith("problem: ")]
@@ -117,7 +82,7 @@ def test_contact_that_is_lost_is_told_and_exit_code_1(command: Taut, files: Path
     assert "least λ2" in run.out
 
 
-def test_a_demand_is_proved_beside_the_claim(command: Taut, files: Path) -> None:
+def test_a_demand_is_proved_beside_the_claim(command: Command, files: Path) -> None:
     run = command("verify", "boasts.json", "--contact", "2.5")
     assert run.code == 1
     assert "within 2.5 m" in run.out
@@ -126,7 +91,7 @@ def test_a_demand_is_proved_beside_the_claim(command: Taut, files: Path) -> None
     assert command("verify", "claims.json", "--contact", "4.2").code == 0
 
 
-def test_stronger_demands_are_proved(command: Taut, files: Path) -> None:
+def test_stronger_demands_are_proved(command: Command, files: Path) -> None:
     strong = ("verify", "plain.json", "--contact", "4.2", "--connected", "2", "--lambda2", "2.9", "--sight")
     run = command(*strong)
     assert run.code == 0
@@ -140,7 +105,7 @@ def test_stronger_demands_are_proved(command: Taut, files: Path) -> None:
     assert "problem: λ2" in low.out
 
 
-def test_json_carries_the_proof(command: Taut, files: Path) -> None:
+def test_json_carries_the_proof(command: Command, files: Path) -> None:
     proof = command("verify", "plain.json", "--contact", "2.5", "--json").json
     assert proof["ok"] is True
     assert proof["contact"]["demand"] == {"range": 2.5, "sight": False, "k": 1, "lambda2": 0.0}
@@ -157,7 +122,9 @@ def test_json_carries_the_proof(command: Taut, files: Path) -> None:
 
 @pytest.mark.parametrize("words", [("verify", "plain.json"), ("plan", "scene.yaml"), ("show", "plain.json")])
 @pytest.mark.parametrize("value", ["0", "-1", "nan", "inf", "-inf", "near"])
-def test_a_range_that_makes_no_sense_is_refused(command: Taut, files: Path, words: tuple[str, ...], value: str) -> None:
+def test_a_range_that_makes_no_sense_is_refused(
+    command: Command, files: Path, words: tuple[str, ...], value: str
+) -> None:
     assert refused(command(*words, "--contact", value), "--contact")
 
 
@@ -167,7 +134,7 @@ def test_a_range_that_makes_no_sense_is_refused(command: Taut, files: Path, word
     [("--connected", "0"), ("--connected", "1.5"), ("--lambda2", "-0.1"), ("--lambda2", "nan"), ("--lambda2", "much")],
 )
 def test_other_demands_that_make_no_sense_are_refused(
-    command: Taut, files: Path, words: tuple[str, ...], option: str, value: str
+    command: Command, files: Path, words: tuple[str, ...], option: str, value: str
 ) -> None:
     assert refused(command(*words, "--contact", "3", option, value), option)
 
@@ -175,12 +142,12 @@ def test_other_demands_that_make_no_sense_are_refused(
 @pytest.mark.parametrize("words", [("verify", "claims.json"), ("plan", "scene.yaml")])
 @pytest.mark.parametrize("option", [("--sight",), ("--connected", "2"), ("--lambda2", "0.1"), ("--lambda2", "0")])
 def test_options_of_contact_need_contact(
-    command: Taut, files: Path, words: tuple[str, ...], option: tuple[str, ...]
+    command: Command, files: Path, words: tuple[str, ...], option: tuple[str, ...]
 ) -> None:
     assert refused(command(*words, *option), option[0], "--contact")
 
 
-def test_links_are_shown_in_pictures_of_plans_only(command: Taut, files: Path) -> None:
+def test_links_are_shown_in_pictures_of_plans_only(command: Command, files: Path) -> None:
     assert refused(command("show", "plain.json", "--contact", "3"), "--figure")
     assert refused(command("show", "plain.json", "--sight", "--figure", "a.png"), "--sight", "--contact")
     assert refused(command("show", "scene.yaml", "--contact", "3", "--figure", "a.png"), "scene.yaml", "taut plan")
@@ -190,7 +157,7 @@ def test_links_are_shown_in_pictures_of_plans_only(command: Taut, files: Path) -
 # --- pictures
 
 
-def test_show_draws_the_links_asked_for_or_claimed(command: Taut, files: Path) -> None:
+def test_show_draws_the_links_asked_for_or_claimed(command: Command, files: Path) -> None:
     save(column(speed=20.0), "fast.json")
     save(column({"contact": {"range": 2.5}}, speed=20.0), "fast-claims.json")
     sizes = {}
@@ -210,7 +177,7 @@ def test_show_draws_the_links_asked_for_or_claimed(command: Taut, files: Path) -
     assert (files / "asked.gif").read_bytes() == (files / "claimed.gif").read_bytes()
 
 
-def test_showing_links_demands_nothing(command: Taut, files: Path) -> None:
+def test_showing_links_demands_nothing(command: Command, files: Path) -> None:
     assert command("show", "plain.json", "--contact", "2.1", "--figure", "a.png").code == 0
 
 
@@ -229,7 +196,7 @@ def test_showing_links_demands_nothing(command: Taut, files: Path) -> None:
     ],
 )
 def test_the_planner_gets_the_demand(
-    command: Taut, files: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], demand: Contact | None
+    command: Command, files: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], demand: Contact | None
 ) -> None:
     asked = []
     plan_team = taut.team.plan
@@ -284,7 +251,7 @@ def test_a_demand_written_as_a_claim_comes_back(tmp_path: Path) -> None:
     ],
 )
 def test_a_malformed_claim_in_a_file_is_refused_with_its_line(
-    command: Taut, files: Path, claim: object, words: str
+    command: Command, files: Path, claim: object, words: str
 ) -> None:
     data = plan_to_dict(column()) | {"claims": {"contact": claim}}
     with pytest.raises(PlanError) as caught:

@@ -575,3 +575,21 @@ def test_mp4_by_ffmpeg(tmp_path: Path) -> None:
     animate(PLAN, tmp_path / "a.mp4", seconds=0.5, width=301)
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
     assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
+
+
+def test_a_way_of_many_small_turns_is_swept_though_rounding_leaves_slivers() -> None:
+    way = np.array([
+        (4.735154392501973, 3.344298308554498),
+        (4.732708574810054, 3.345699562770557),
+        (4.7300402579002725, 3.3472277738941143),
+        (4.729317835003102, 3.347637356151574),
+        (4.7288095952417635, 3.3479081009546774),
+        (4.728795878454052, 3.3479151707643005),
+    ])  # fmt: skip
+    robot = Robot("R", tuple(way[0]), tuple(way[-1]), radius=0.2)
+    plan = Plan(Scene((4, 3, 5, 4), robots=[robot]), (Trajectory("R", np.column_stack([np.arange(6.0), way])),))
+    (swept,) = [part for part in draw(plan).collections if part.get_zorder() == 3]
+    outlines = [shapely.Polygon(ring) for path in swept.get_paths() for ring in path.to_polygons()]
+    # the circle about each corner is inscribed in the disc
+    assert shapely.covers(shapely.union_all(outlines).buffer(1e-3), shapely.Point(way[0]).buffer(0.2))
+    assert sum(outline.area for outline in outlines) == pytest.approx(np.pi * 0.04 + 0.4 * 0.0074, rel=0.01)

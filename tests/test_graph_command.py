@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from taut.cli import main
+from commands import Command, Run, command_in, on_scenes, refused
 from taut.formats import load_scene
 from taut.graph.conversion import load_graphml
-from test_cli import Run, refused
 
 EMPTY = "taut: 1\nbounds: [0, 0, 4, 3]\nrobots: []\n"
 ROOM = """\
@@ -41,23 +39,10 @@ robots:
   - {name: R2, start: [1, 2], goal: [2.3, 2]}
 """
 
-Graph = Callable[..., Run]
-
 
 @pytest.fixture
-def graph(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Graph:
-    monkeypatch.chdir(tmp_path)
-
-    def run(scene: str, *words: str) -> Run:
-        """Run the command on a ready scene, or on the text of one."""
-        if "\n" in scene:
-            (tmp_path / "scene.yaml").write_text(scene)
-            scene = "scene.yaml"
-        code = main(["graph", scene, *words])
-        said = capsys.readouterr()
-        return Run(code, said.out, said.err)
-
-    return run
+def graph(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    return on_scenes(command_in(tmp_path, monkeypatch, capsys, "graph"))
 
 
 def only(run: Run) -> Any:
@@ -78,7 +63,7 @@ def laplacian(size: Any) -> Any:
 @pytest.mark.parametrize("weight", ["one", "distance"])
 @pytest.mark.parametrize("edges", ["all", "tangent"])
 @pytest.mark.parametrize("scene", ["thesis-1", "thesis-3", "appendix-d", ROOM])
-def test_every_number_follows_from_the_edges(graph: Graph, scene: str, edges: str, weight: str) -> None:
+def test_every_number_follows_from_the_edges(graph: Command, scene: str, edges: str, weight: str) -> None:
     size = only(graph(scene, "--edges", edges, "--weight", weight, "--json"))
     found, matrix = size["graph"], laplacian(size)
     values = np.linalg.eigvalsh(matrix)
@@ -105,7 +90,7 @@ def test_every_number_follows_from_the_edges(graph: Graph, scene: str, edges: st
     assert cut["lower"] <= cut["upper"] <= cut["cheeger"] + slack
 
 
-def test_kinds_of_edges_and_counts_are_those_of_the_two_visibility_graphs(graph: Graph) -> None:
+def test_kinds_of_edges_and_counts_are_those_of_the_two_visibility_graphs(graph: Command) -> None:
     every, tangent = (only(graph("thesis-3", "--edges", kind, "--json")) for kind in ("all", "tangent"))
     for key in ("vertices", "edges", "corners", "tangent_edges"):
         assert every[key] == tangent[key]
@@ -114,7 +99,7 @@ def test_kinds_of_edges_and_counts_are_those_of_the_two_visibility_graphs(graph:
     assert len(tangent["graph"]["edges"]) == tangent["tangent_edges"] < every["edges"]
 
 
-def test_vertices_are_named(graph: Graph) -> None:
+def test_vertices_are_named(graph: Command) -> None:
     size = only(graph("thesis-1", "--json"))
     ends = ["R1 start", "R1 goal, R2 goal, R3 goal", "R2 start", "R3 start"]
     assert size["graph"]["names"] == ["corner"] * 24 + ends
@@ -138,7 +123,7 @@ def rows(text: str, head: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("weight", ["one", "distance"])
-def test_small_graphs_are_printed_in_full(graph: Graph, weight: str) -> None:
+def test_small_graphs_are_printed_in_full(graph: Command, weight: str) -> None:
     run, size = graph(ROOM, "--weight", weight), only(graph(ROOM, "--weight", weight, "--json"))
     n = 11
     printed = {
@@ -161,7 +146,7 @@ def test_small_graphs_are_printed_in_full(graph: Graph, weight: str) -> None:
     assert len(size["eigenvalues"]) == n
 
 
-def test_bounds_are_printed_as_a_ladder_round_lambda2(graph: Graph) -> None:
+def test_bounds_are_printed_as_a_ladder_round_lambda2(graph: Command) -> None:
     table = graph("thesis-2").out.partition("formula")[2].partition("\n\n")[0].splitlines()[2:]
     sides = [re.match(r"(at least|is|at most) +(\S+)", line) for line in table]
     found = [(side[1], float(side[2])) for side in sides if side is not None]
@@ -171,7 +156,7 @@ def test_bounds_are_printed_as_a_ladder_round_lambda2(graph: Graph) -> None:
     assert ("is", 3.4226) in found
 
 
-def test_of_more_vertices_less_is_printed(graph: Graph) -> None:
+def test_of_more_vertices_less_is_printed(graph: Command) -> None:
     run = graph("appendix-d")  # 94 vertices
     assert "the least 5 and the greatest 3 of 94" in run.out
     assert "λ92" in run.out
@@ -182,7 +167,7 @@ def test_of_more_vertices_less_is_printed(graph: Graph) -> None:
     assert len(size["eigenvalues"]) == 94
 
 
-def test_of_large_graphs_only_lambda2_is_computed(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_large_graphs_only_lambda2_is_computed(graph: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object) -> None:
         raise AssertionError("too much work")
 
@@ -206,7 +191,7 @@ def test_of_large_graphs_only_lambda2_is_computed(graph: Graph, monkeypatch: pyt
     assert "1,000 vertices" in run.out
 
 
-def test_growth_chooses_a_size_of_robot(graph: Graph) -> None:
+def test_growth_chooses_a_size_of_robot(graph: Command) -> None:
     known = load_scene("warehouse-50")
     growths = sorted({known.growth(robot) for robot in known.robots})
     assert growths[0] != 0.4  # 0.3 + 0.1 in floats
@@ -215,7 +200,7 @@ def test_growth_chooses_a_size_of_robot(graph: Graph) -> None:
     assert len(told["robots"]) == told["sizes"][0]["robots"] == 42
 
 
-def test_a_growth_of_no_robot_leaves_the_corners(graph: Graph) -> None:
+def test_a_growth_of_no_robot_leaves_the_corners(graph: Command) -> None:
     told = graph(ROOM, "--growth", "0.25", "--json").json
     assert told["robots"] == []
     assert told["sizes"][0]["robots"] == 0
@@ -231,7 +216,7 @@ def test_a_growth_of_no_robot_leaves_the_corners(graph: Graph) -> None:
     ids=["no vertex", "one vertex", "disconnected", "room"],
 )
 def test_scenes_of_few_vertices(
-    graph: Graph, scene: str, vertices: int, edges: int, components: int, connectivity: float | None
+    graph: Command, scene: str, vertices: int, edges: int, components: int, connectivity: float | None
 ) -> None:
     run = graph(scene, "--figure", "a.png", "--graphml", "a.graphml")
     assert (run.code, run.err) == (0, "")
@@ -246,7 +231,7 @@ def test_scenes_of_few_vertices(
         assert [robot["shortest"] for robot in told.json["robots"]] == [None, None]
 
 
-def test_each_size_of_robot_gets_its_part(graph: Graph) -> None:
+def test_each_size_of_robot_gets_its_part(graph: Command) -> None:
     scene = ROOM.replace("goal: [9, 5]", "goal: [9, 5], radius: 0.3").replace(
         "goal: [1, 2]", "goal: [1, 2], radius: 0.4"
     )
@@ -259,7 +244,7 @@ def test_each_size_of_robot_gets_its_part(graph: Graph) -> None:
     assert graph(scene, "--graphml", "a.graphml", "--growth", "0.3").code == 0
 
 
-def test_a_graphml_file_holds_the_graph(graph: Graph) -> None:
+def test_a_graphml_file_holds_the_graph(graph: Command) -> None:
     size = only(graph(ROOM, "--weight", "distance", "--graphml", "room.graphml", "--json"))
     read, positions = load_graphml("room.graphml")
     assert read.edges.tolist() == size["graph"]["edges"]
@@ -268,7 +253,7 @@ def test_a_graphml_file_holds_the_graph(graph: Graph) -> None:
     assert positions.tolist() == size["graph"]["positions"]
 
 
-def test_what_does_not_fit_is_refused_before_the_work(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_does_not_fit_is_refused_before_the_work(graph: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("built although the command line is wrong")
 

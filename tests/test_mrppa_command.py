@@ -3,31 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from taut.cli import main
-
-Said = tuple[int, str, str]
-Command = Callable[..., Said]
+from commands import Command, command_in, refused
 
 
 @pytest.fixture
 def taut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    monkeypatch.chdir(tmp_path)
-
-    def run(*words: str | Path) -> Said:
-        code = main(["plan", *map(str, words)])
-        return code, *capsys.readouterr()
-
-    return run
-
-
-def refused(said: Said, *parts: str) -> bool:
-    code, out, err = said
-    return code == 2 and out == "" and err.count("\n") == 1 and all(part in err for part in parts)
+    return command_in(tmp_path, monkeypatch, capsys, "plan")
 
 
 def test_the_story_is_told_stage_by_stage(taut: Command) -> None:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from taut.cli import main
+from commands import Command, command_in, refused
 from taut.formats import load_plan, load_scene
 from taut.simulation import Disturbances, run_data
 from taut.simulation import simulate as follow
-from test_cli import Run, refused
 
 CROSSING = """\
 taut: 1
@@ -25,22 +23,13 @@ robots:
   - {name: B, start: [4, 1], goal: [4, 7], radius: 0.3}
 """
 
-Command = Callable[..., Run]
-
 
 @pytest.fixture
 def taut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.yaml").write_text(CROSSING)
-    assert main(["plan", "scene.yaml", "-o", "plan.json"]) == 0
-    capsys.readouterr()
-
-    def run(*words: str) -> Run:
-        code = main(list(words))
-        said = capsys.readouterr()
-        return Run(code, said.out, said.err)
-
-    return run
+    command = command_in(tmp_path, monkeypatch, capsys)
+    assert command("plan", "scene.yaml", "-o", "plan.json").code == 0
+    return command
 
 
 def test_a_run_is_told_for_people_and_in_json(taut: Command) -> None:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
 
 import pytest
 
-from taut.cli import main
+from commands import Command, command_in, refused
 from taut.control import formation
 from taut.formats import load_scene
 from taut.graph import Graph
 from taut.simulation import Disturbances
 from taut.simulation import steer as follow
-from test_cli import Run, refused
 
 TEAM = """\
 taut: 1
@@ -29,21 +27,12 @@ robots:
   - {name: D, start: [10.5, 1.5], goal: [8, 6.5], radius: 0.25}
 """
 
-Command = Callable[..., Run]
-
 
 @pytest.fixture
 def taut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "team.yaml").write_text(TEAM)
     (tmp_path / "points.yaml").write_text(TEAM.replace(", radius: 0.25", ""))
-
-    def run(*words: str) -> Run:
-        code = main(list(words))
-        said = capsys.readouterr()
-        return Run(code, said.out, said.err)
-
-    return run
+    return command_in(tmp_path, monkeypatch, capsys)
 
 
 def test_the_goals_are_the_formation_unless_another_is_given(taut: Command) -> None:
@@ -145,6 +134,12 @@ def test_of_many_robots_the_worst_are_told(taut: Command, tmp_path: Path) -> Non
 )
 def test_bad_parameters_are_refused_in_one_line(taut: Command, words: list[str], said: str) -> None:
     assert refused(taut("steer", "team.yaml", *words), said)
+
+
+@pytest.mark.parametrize("law", [["consensus"], ["formation"], ["leader"], ["rendezvous", "--reach", "1"]])
+def test_a_scene_without_robots_has_settled(taut: Command, tmp_path: Path, law: list[str]) -> None:
+    (tmp_path / "none.yaml").write_text(TEAM[: TEAM.index("robots")] + "robots: []\n")
+    assert taut("steer", "none.yaml", "--law", *law, "--json").json["settled"] == 0
 
 
 def test_what_json_cannot_say_is_null(taut: Command) -> None:

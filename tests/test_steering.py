@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from matplotlib.collections import LineCollection, PathCollection
 
 from taut.control import Field, consensus, formation, integrate, leader_follower, rendezvous
-from taut.errors import OutputError, SceneError
-from taut.figures.simulation import draw_steered, save_steered
+from taut.errors import SceneError
 from taut.graph import Graph, contact_graph
 from taut.scene import Circle, FloatArray, Robot, Scene
 from taut.simulation import (
@@ -294,31 +291,6 @@ def test_the_driven_motions_are_a_plan_to_be_drawn() -> None:
     for k, path in enumerate(run.plan.trajectories):
         assert np.array_equal(path.points, run.poses[:, k, :2])
         assert run.plan.scene.robots[k].goal == tuple(ends(run)[k])
-
-
-def test_a_picture_shows_ways_ends_collisions_and_connectivity(tmp_path: Path) -> None:
-    run = steer(scene_of(STARTS, 0.2), consensus(complete(4)), seconds=20.0)
-    axes = draw_steered(run, complete(4))
-    drawn = [
-        segment for part in axes.collections if isinstance(part, LineCollection) for segment in part.get_segments()
-    ]
-    for k in range(4):
-        assert any(len(line) > 2 and np.allclose(line[-1], ends(run)[k]) for line in drawn)
-    crosses = [
-        tuple(np.asarray(part.get_offsets())[0].tolist())
-        for part in axes.collections
-        if isinstance(part, PathCollection)
-    ]
-    assert run.collisions
-    assert run.collisions[0].place in crosses
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    assert len(figure.axes) == 2  # the map, and λ2 under it
-    for name in ("a.svg", "b.svg"):
-        save_steered(run, tmp_path / name, complete(4))
-    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
-    with pytest.raises(OutputError, match=r"\.bmp"):
-        save_steered(run, tmp_path / "a.bmp")
 
 
 def test_a_formation_is_judged_wherever_it_stands() -> None:

@@ -18,7 +18,7 @@ from studio_page import RunningStudio, running_studio
 from taut.cli import main
 from taut.formats import load_scene, scene_to_dict
 from taut.studio.serving import HOST, listen, own_port
-from test_studio_server import THESIS, Tab, gone, tab, until, workers_of
+from test_studio_server import PATIENCE, THESIS, Tab, gone, tab, until, workers_of
 
 
 def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
@@ -159,3 +159,12 @@ def test_it_is_not_reached_from_other_machines() -> None:
             if not address.startswith("127."):
                 with pytest.raises(OSError, match="refused"):
                     socket.create_connection((address, port), 2).close()
+
+
+def test_it_ends_when_nobody_can_read_its_address() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    words = [sys.executable, "-m", "taut", "studio", "--no-browser"]
+    ended = subprocess.run(words, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=PATIENCE, check=False)
+    os.close(writing)
+    assert (ended.returncode, ended.stderr) == (141, "")

@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
 import taut
-from taut.errors import NoPath, SceneError
+from strategies import team_scenes
+from taut.errors import NoPath, SceneError, TautError
 from taut.freespace import FreeSpace
 from taut.graph.tracing import trace
 from taut.roadmap import visibility_graph
@@ -193,6 +195,17 @@ def test_a_robot_alone_or_already_at_its_goal_has_steps_too(
     scene = Scene((0, 0, 4, 4), boxes, [Robot("R1", (3, 3), goal, radius=radius)])
     for kind in ALGORITHMS:
         assert steps_of(scene, kind, "R1", {})["steps"]
+
+
+@settings(max_examples=10, deadline=None)
+@given(team_scenes(max_robots=3, max_obstacles=4))
+def test_whatever_the_scene_steps_are_finite_or_the_error_is_a_sentence(scene: Scene) -> None:
+    for kind in ALGORITHMS:
+        try:
+            told = steps_of(scene, kind, None, {"rounds": 2})
+        except TautError as error:
+            told = {"steps": [str(error)]}
+        assert json.dumps(told["steps"], allow_nan=False) != "[]"
 
 
 @pytest.mark.parametrize("name", READY)

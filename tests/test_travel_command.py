@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
+from commands import Command, command_in, refused
 from taut import Rectangle, Robot, Scene, certify, load_plan, save
-from taut.cli import main
 
 
 @pytest.fixture
@@ -22,22 +21,27 @@ def door(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_formation_goes_through_a_door(door: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.fixture
+def taut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    return command_in(tmp_path, monkeypatch, capsys)
+
+
+def test_a_formation_goes_through_a_door(taut: Command, door: Path) -> None:
     target = door.with_name("plan.json")
-    assert main(["travel", str(door), "--contact", "4", "-o", str(target)]) == 0
-    said = capsys.readouterr().out
-    assert "near (1" in said
-    assert "formation error at most" in said
+    said = taut("travel", door, "--contact", "4", "-o", target)
+    assert said.code == 0
+    assert "near (1" in said.out
+    assert "formation error at most" in said.out
     plan = load_plan(target)
     assert plan.planner["method"] == "formation"
     assert certify(plan).ok
-    assert main(["verify", str(target), "--contact", "4"]) == 0
+    assert taut("verify", target, "--contact", "4").code == 0
 
 
-def test_offsets_place_the_followers(door: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["travel", str(door), "--offset", "left=-1,0.8", "--offset", "right=-1,-0.8", "--json"]
-    assert main(words) == 0
-    report = json.loads(capsys.readouterr().out)
+def test_offsets_place_the_followers(taut: Command, door: Path) -> None:
+    said = taut("travel", door, "--offset", "left=-1,0.8", "--offset", "right=-1,-0.8", "--json")
+    assert said.code == 0
+    report = said.json
     assert report["certificate"]["ok"] if "certificate" in report else report["ok"]
     assert report["narrow"]
     assert report["formation_error"] > 0
@@ -53,10 +57,5 @@ def test_offsets_place_the_followers(door: Path, capsys: pytest.CaptureFixture[s
         (["--contact", "0.5"], "contact"),
     ],
 )
-def test_bad_words_are_refused_in_one_line(
-    door: Path, words: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["travel", str(door), *words]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert len(error.strip().splitlines()) == 1
+def test_bad_words_are_refused_in_one_line(taut: Command, door: Path, words: list[str], said: str) -> None:
+    assert refused(taut("travel", door, *words), said)

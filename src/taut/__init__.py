@@ -71,7 +71,7 @@ if TYPE_CHECKING:
         widest_routes,
     )
     from taut.scene import Circle, Line, Polygon, Rectangle, Robot, Scene
-    from taut.simulation import simulate
+    from taut.simulation import simulate, steer
     from taut.team import Replanned, Result, plan, replan
     from taut.validation import validate
 
@@ -153,6 +153,7 @@ __all__ = [
     "simulate",
     "simulation",
     "smoothed",
+    "steer",
     "travel",
     "validate",
     "visibility_graph",
@@ -228,7 +229,7 @@ if not TYPE_CHECKING:
             "widest_routes",
         ),
         "taut.scene": ("Circle", "Line", "Polygon", "Rectangle", "Robot", "Scene"),
-        "taut.simulation": ("simulate",),
+        "taut.simulation": ("simulate", "steer"),
         "taut.team": ("Replanned", "Result", "plan", "replan"),
         "taut.validation": ("validate",),
     }

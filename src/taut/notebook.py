@@ -15,6 +15,7 @@ SHOWN = (
     ("taut.route.central", "CentralRoute"),
     ("taut.route.oca", "OcaRoute"),
     ("taut.simulation.running", "Run"),
+    ("taut.simulation.steering", "Steered"),
     ("taut.team.stages", "FreeSpaceStage"),
     ("taut.team.stages", "ObstacleGraphStage"),
     ("taut.team.stages", "SplitStage"),

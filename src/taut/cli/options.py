@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
@@ -108,6 +109,27 @@ def contact_asked(
     from taut.contact import Contact
 
     return Contact(reach, sight, connected or 1, lambda2 or 0.0)
+
+
+def named_numbers(given: Sequence[str] | None, option: str) -> dict[str, float]:
+    """Return the numbers of an option that is given as NAME@NUMBER, by name; a name may hold an @ itself.
+
+    Raises
+    ------
+    typer.BadParameter
+        One that is not of that form.
+    """
+    out: dict[str, float] = {}
+    for text in given or ():
+        name, at, number = text.rpartition("@")
+        try:
+            value = float(number)
+        except ValueError:
+            value = math.nan
+        if not (at and name and math.isfinite(value)):
+            raise typer.BadParameter(f"must be a name, @ and a number, like R2@10; got {text!r}", param_hint=option)
+        out[name] = value
+    return out
 
 
 SceneArgument: TypeAlias = Annotated[

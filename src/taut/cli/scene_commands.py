@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
@@ -160,13 +161,26 @@ def scenes(as_json: JsonOption = False) -> None:
 
 
 def warmup(as_json: JsonOption = False) -> None:
-    """Compile the kernels once, so that the first plan and the first simulation do not wait for them."""
+    """Compile the kernels once, so that the first plan, simulation and steered team do not wait for them."""
     from taut.certificate import certify
+    from taut.control import consensus
     from taut.freespace import FreeSpace
+    from taut.graph import contact_graph
     from taut.roadmap import visibility_graph
     from taut.route import shortest_path
     from taut.scene import Polygon, Robot, Scene
-    from taut.simulation import Detector, Disturbances, Lidar, detect, run_data, scene_from, simulate, surroundings_of
+    from taut.simulation import (
+        Detector,
+        Disturbances,
+        Lidar,
+        detect,
+        fiedler_values,
+        run_data,
+        scene_from,
+        simulate,
+        steer,
+        surroundings_of,
+    )
     from taut.team import plan as plan_team
 
     began = time.perf_counter()
@@ -186,6 +200,8 @@ def warmup(as_json: JsonOption = False) -> None:
         run_data(run)
         scene_from(run)
         detect(Detector(), surroundings_of(tiny), run.poses[0], robot=0)
+        near = partial(contact_graph, reach=9.0)
+        fiedler_values(steer(tiny, consensus(near), seconds=1.0), near)
     elapsed = time.perf_counter() - began
     if as_json:
         say_json({"ok": certificate.ok, "elapsed": elapsed})

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from taut.cli.options import AnimateOption, FigureOption, JsonOption
+from taut.cli.options import AnimateOption, FigureOption, JsonOption, named_numbers
 from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
 from taut.cli.pictures import require_pictures
 from taut.cli.tables import say_table
@@ -93,8 +92,8 @@ def simulate(
         speed_error=speed_error,
         stops=stops,
         stop_seconds=stop_seconds,
-        slow=_by_name(slow, "--slow"),
-        dies=_by_name(dies, "--dies"),
+        slow=named_numbers(slow, "--slow"),
+        dies=named_numbers(dies, "--dies"),
         position_noise=position_noise,
         heading_noise=heading_noise,
         slip=slip,
@@ -116,21 +115,6 @@ def _check_options(seeds: int | None, output: Path | None, single: dict[str, obj
         for option, given in single.items():
             if given:
                 raise typer.BadParameter("belongs to a single run, not to --seeds", param_hint=option)
-
-
-def _by_name(given: Sequence[str] | None, option: str) -> dict[str, float]:
-    """Read NAME@NUMBER; a name may hold an @ itself."""
-    out: dict[str, float] = {}
-    for text in given or ():
-        name, at, number = text.rpartition("@")
-        try:
-            value = float(number)
-        except ValueError:
-            value = math.nan
-        if not (at and name and math.isfinite(value)):
-            raise typer.BadParameter(f"must be a name, @ and a number, like R2@10; got {text!r}", param_hint=option)
-        out[name] = value
-    return out
 
 
 def _once(
@@ -181,7 +165,7 @@ def _pictures(run: Run, figure: Path | None, animate: Path | None) -> list[str]:
             save_figure(run, figure)
         written.append(str(figure))
     if animate is not None:
-        from taut.figures.simulation import animate_run
+        from taut.figures import animate_run
 
         with progress(f"drawing {animate}"):
             animate_run(run, animate)

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from taut.cli.options import AnimateOption, FigureOption, JsonOption, SceneArgument
+from taut.cli.options import AnimateOption, FigureOption, JsonOption, SceneArgument, named_numbers
 from taut.cli.output import about, complain, progress, say, say_facts, say_json
 from taut.cli.pictures import require_pictures
-from taut.cli.simulate_command import FEW_ROBOTS, MISSING, VehicleKind, _by_name
+from taut.cli.simulate_command import FEW_ROBOTS, MISSING, VehicleKind
 from taut.cli.tables import say_table
 
 if TYPE_CHECKING:
@@ -99,8 +99,8 @@ def steer(
         speed_error=speed_error,
         stops=stops,
         stop_seconds=stop_seconds,
-        slow=_by_name(slow, "--slow"),
-        dies=_by_name(dies, "--dies"),
+        slow=named_numbers(slow, "--slow"),
+        dies=named_numbers(dies, "--dies"),
         position_noise=position_noise,
         heading_noise=heading_noise,
         slip=slip,
@@ -168,6 +168,8 @@ def _law(
     places: Sequence[tuple[float, float]],
     leader: Sequence[str] | None,
 ) -> Field:
+    import numpy as np
+
     from taut.control import consensus, formation, leader_follower, rendezvous
     from taut.graph import contact_graph
 
@@ -179,7 +181,7 @@ def _law(
     if law == LawName.consensus:
         return consensus(links)
     if law == LawName.formation:
-        return formation(links, places)
+        return formation(links, np.array(places, dtype=np.float64).reshape(-1, 2))
     names = [robot.name for robot in scene.robots]
     leaders = [scene.robot(name).name for name in leader] if leader else names[:1]
     return leader_follower(links, {names.index(name): _standing for name in leaders})
@@ -206,7 +208,7 @@ def _links(n: int, reach: float | None) -> Links:
 def _pictures(run: Steered, reach: float | None, figure: Path | None, animation: Path | None) -> list[str]:
     written = []
     if figure is not None:
-        from taut.figures.simulation import save_steered
+        from taut.figures import save_steered
 
         with progress(f"drawing {figure}"):
             save_steered(run, figure, _links(len(run.names), reach))

@@ -14,7 +14,7 @@ def studio(
     context: typer.Context,
     scene: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENE]", help="A scene file, also one to be made, a plan, or a ready scene's name."),
+        typer.Argument(metavar="SCENE", help="A scene file, also one to be made, a plan, or a ready scene's name."),
     ] = None,
     port: Annotated[
         int | None,

@@ -57,7 +57,7 @@ def draw(
     routes: Mapping[str, Any] | None = None,
     contact: Contact | float | None = None,
 ) -> Axes:
-    """Draw a scene, plan, roadmap, free space, route or simulated run in metres.
+    """Draw a scene, plan, roadmap, free space, route, simulated run or steered team in metres.
 
     A plan that claims contact, or is drawn with `contact`, is shown at the instant at which the team's λ2 is least: the
     links between its robots, the bridges and cut vertices of that graph in red, and, on a figure of its own, how λ2
@@ -66,7 +66,8 @@ def draw(
     Parameters
     ----------
     value : Scene, Plan, a result with a `plan`, a stage of planning, Roadmap (`positions` (n, 2) and `edges` (m, 2)),
-        FreeSpace (`region`, a shapely geometry), Route (`points` (k, 2)) or Run (see `draw_run`).
+        FreeSpace (`region`, a shapely geometry), Route (`points` (k, 2)), Run (see `draw_run`) or Steered (see
+        `draw_steered`).
     ax : matplotlib Axes to draw on; a new figure of fitting size if None (it does not touch pyplot).
     graph : anything with `positions` and `edges`, drawn thin and grey under robots and paths.
     time : seconds; shows the robots of a plan as solid discs where they are then.
@@ -87,8 +88,8 @@ def draw(
     OutputError
         Coordinates with which no picture can be made.
     """
-    stage, run = _is_stage(value), _is_run(value)
-    if not (stage or run):
+    stage, run, steered = _is_stage(value), _is_run(value), _is_steered(value)
+    if not (stage or run or steered):
         value = getattr(value, "plan", value)
     if time is not None and not isinstance(value, Plan):
         raise TypeError(f"time= needs a Plan, got {type(value).__name__}")
@@ -96,12 +97,16 @@ def draw(
         raise TypeError(f"contact= needs a Plan, got {type(value).__name__}")
     if routes is not None and not (isinstance(value, Scene) and graph is None):
         raise TypeError(f"routes= needs a Scene and no graph=, got {type(value).__name__}")
-    if graph is not None and (stage or run):
+    if graph is not None and (stage or run or steered):
         raise TypeError(f"graph= does not go with a {type(value).__name__}" + ", which shows its own graph" * stage)
     if run:
         from taut.figures.simulation import draw_run
 
         return draw_run(value, ax)
+    if steered:
+        from taut.figures.steering import draw_steered
+
+        return draw_steered(value, ax=ax)
     view = _view(value)
     own = ax is None
     if ax is None:
@@ -153,6 +158,10 @@ def _is_stage(value: Any) -> bool:
 
 def _is_run(value: Any) -> bool:
     return type(value).__module__ == "taut.simulation.running" and hasattr(value, "plan")
+
+
+def _is_steered(value: Any) -> bool:
+    return type(value).__module__ == "taut.simulation.steering" and hasattr(value, "plan")
 
 
 def _is_central(value: Any) -> bool:

@@ -56,13 +56,16 @@ def within_reach(plan: Plan, view: View) -> Plan:
 
 def draw_sweeps(axes: Axes, plan: Plan, colours: Sequence[Colour]) -> None:
     """Tint what each disc passes over."""
-    paths, faces = [], []
+    paths: list[Path] = []
+    faces: list[Colour] = []
     for trajectory, robot, colour in zip(plan.trajectories, plan.scene.robots, colours, strict=True):
         route = route_of(trajectory)
         if robot.radius > 0 and len(route) > 1:
             swept = shapely.LineString(route).buffer(robot.radius, quad_segs=16)
-            paths.append(polygon_path(swept))
-            faces.append(colour)
+            # on a way with many small turns rounding may leave slivers beside the one area
+            parts = shapely.get_parts(swept)
+            paths += map(polygon_path, parts)
+            faces += [colour] * len(parts)
     axes.add_collection(PathCollection(paths, facecolors=faces, edgecolors="none", alpha=0.13, zorder=3), autolim=False)
 
 

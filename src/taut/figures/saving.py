@@ -48,17 +48,27 @@ def save_figure(
     target = Path(path)
     kind = check_kind(target, tuple(NO_STAMPS), "pictures are written as")
     with replacing(target) as scratch:
-        scratch.write_bytes(_bytes(draw(value, graph=graph, routes=routes, contact=contact), kind, 200))
+        scratch.write_bytes(picture_bytes(draw(value, graph=graph, routes=routes, contact=contact), kind, 200))
 
 
 def png_bytes(value: Any) -> bytes:
     """Return the picture of a value (see `draw`) as a PNG of the size of a notebook."""
-    return _bytes(draw(value), "png", 110)
+    return picture_bytes(draw(value), "png", 110)
 
 
 def svg_text(value: Any) -> str:
     """Return the picture of a value (see `draw`) as SVG."""
-    return _bytes(draw(value), "svg", 72).decode("utf-8")
+    return picture_bytes(draw(value), "svg", 72).decode("utf-8")
+
+
+def picture_bytes(axes: Axes, kind: str, dpi: int) -> bytes:
+    """Return the figure of these axes as a file of a kind of `NO_STAMPS`; the same figure is the same bytes."""
+    buffer = io.BytesIO()
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    with any_letters(), mpl.rc_context({"svg.hashsalt": "taut", "svg.fonttype": "path", "pdf.fonttype": 42}):
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata=NO_STAMPS[kind])
+    return buffer.getvalue()
 
 
 def check_kind(path: Path, kinds: tuple[str, ...], what: str) -> str:
@@ -82,12 +92,3 @@ def any_letters() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         yield
-
-
-def _bytes(axes: Axes, kind: str, dpi: int) -> bytes:
-    buffer = io.BytesIO()
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    with any_letters(), mpl.rc_context({"svg.hashsalt": "taut", "svg.fonttype": "path", "pdf.fonttype": 42}):
-        figure.savefig(buffer, format=kind, dpi=dpi, metadata=NO_STAMPS[kind])
-    return buffer.getvalue()

@@ -256,8 +256,8 @@ def formation_error(positions: ArrayLike, offsets: ArrayLike) -> float:
     >>> formation_error([(5, 5), (7, 5)], [(0, 0), (1, 0)])
     0.5
     """
-    apart = np.asarray(positions, dtype=np.float64) - np.asarray(offsets, dtype=np.float64)
-    apart = apart.reshape(-1, 2)
+    here, there = (np.asarray(each, dtype=np.float64).reshape(-1, 2) for each in (positions, offsets))
+    apart = here - there
     return float(np.hypot(*(apart - apart.mean(axis=0)).T).max()) if len(apart) else 0.0
 
 

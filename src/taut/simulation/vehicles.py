@@ -77,9 +77,10 @@ class DifferentialDrive:
 
 @dataclass(frozen=True)
 class Ackermann:
-    """A truck that drives forward and steers its front axle: θ' = v tan φ / wheelbase.
+    """A truck that steers its front axle: θ' = v tan φ / wheelbase.
 
-    The point that moves, and the centre of the robot's disc, is the middle of the rear axle.
+    It follows a plan driving ahead only; in a team that steers itself it also drives back. The point that moves, and
+    the centre of the robot's disc, is the middle of the rear axle.
 
     Parameters
     ----------

@@ -24,12 +24,18 @@ LET_FINISH = 0.25  # seconds: a job that is superseded when it is younger is sti
 _LISTEN = {True: 0.5, False: 5.0}  # seconds that a heavy or quick job has to hear that it should stop
 _PATIENCE = 3.0  # seconds more before it is killed though that leaves too few workers: one takes as long to warm up
 _PAUSES = (0.0, 0.5, 2.0, 8.0)  # seconds before a worker that never got warm is started again
+_FINISH = 5.0  # seconds that a job has to come to an end with the best that it found
+_WAITS = json.dumps({"text": "waits until other work is done", "cost": None, "bound": None}).encode()
 _CANNOT = "the workers cannot be started; end the studio and start it with --debug to see why"
 
 
 @dataclass(eq=False)
 class Job:
-    """One piece of work; ``owner`` and ``hear`` are told of it, ``answered`` says that they were for the last time."""
+    """One piece of work, see `Crew.submit`.
+
+    ``answered`` says that its last word was said, ``slot`` where it is done, ``began`` and ``stopped`` when that began
+    and when it was asked to stop, seconds of the event loop.
+    """
 
     number: int
     owner: Hashable
@@ -138,6 +144,8 @@ class Crew:
             self._supersede(older)
         self._waiting.append(job)
         self._hand_out()
+        if job.slot is None and self.warm and not self._is_busy(job):
+            job.hear("progress", _WAITS)
         return job
 
     def cancel(self, job: Job) -> None:
@@ -145,6 +153,14 @@ class Crew:
         job.answer("stopped", b"cancelled")
         self._end(job)
         self._hand_out()
+
+    def finish(self, job: Job) -> None:
+        """Have a job end soon with the best that it found; one that found nothing, or cannot, is cancelled."""
+        if job.slot is None or job.slot.process is None:
+            self.cancel(job)
+            return
+        job.slot.process.finish(job.number)
+        self._later(self._now() + _FINISH, lambda: self.cancel(job))
 
     def leave(self, owner: Hashable) -> None:
         """End all jobs of an owner that is gone."""
@@ -201,9 +217,8 @@ class Crew:
         if self._closed:
             return
         for job in list(self._waiting):
-            busy = {(other.owner, other.lane) for other in self._running() if other.stopped is None}
             idle = [slot for slot in self._slots if slot.warm and slot.job is None]
-            if not idle or (job.owner, job.lane) in busy or (job.heavy and self._crowded()):
+            if not idle or self._is_busy(job) or (job.heavy and self._crowded()):
                 continue
             # the same workers for the same kinds of jobs: what they remember is of use again
             slot = idle[0] if job.heavy else idle[-1]
@@ -211,6 +226,11 @@ class Crew:
             job.slot, slot.job, job.began = slot, job, self._now()
             assert slot.process is not None
             slot.process.give(job.number, job.message)
+
+    def _is_busy(self, job: Job) -> bool:
+        """Whether something is still done in the lane of a job."""
+        lanes = ((other.owner, other.lane) for other in self._running() if other.stopped is None)
+        return (job.owner, job.lane) in lanes
 
     def _running(self) -> Iterator[Job]:
         return (slot.job for slot in self._slots if slot.job is not None)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import os
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -56,7 +59,7 @@ class Studio:
                 notes.append(f"{error}; shown is what it held before")
         known, file = self.last, self.last.file
         held = {} if known.value is None else jobs.opened(known.value)
-        if known.value is not None and file is None:
+        if file is None and self.source and Path(self.source).is_file():
             notes.append(f"{known.name} is only read here; Save as makes a scene file")
         return {
             "version": version("taut"),
@@ -91,6 +94,7 @@ class Link:
         self._out: deque[str] = deque()
         self._unread = 0
         self._something = asyncio.Event()
+        self._overfull = asyncio.Event()
         self._stamp = ""
         self._saves: set[asyncio.Task[None]] = set()
 
@@ -103,16 +107,20 @@ class Link:
         self._say({"hello": hello})
         self._say({"state": crew.state})
         deafen = crew.listen(lambda state: self._say({"state": state}))
-        writer = asyncio.create_task(self._write())
-        reader = asyncio.create_task(self._read())
+        tasks = [asyncio.create_task(work) for work in (self._write(), self._read(), self._overfull.wait())]
         try:
-            await asyncio.wait((writer, reader), return_when=asyncio.FIRST_COMPLETED)
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
             deafen()
             crew.leave(self)
-            for task in (writer, reader):
+            for task in tasks:
                 task.cancel()
-            await asyncio.gather(writer, reader, *self._saves, return_exceptions=True)
+            await asyncio.gather(*tasks, *self._saves, return_exceptions=True)
+        if self._overfull.is_set():
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._socket.close(_TOO_SLOW, "this page does not read its answers"), 1)
+        for task in done:
+            task.result()  # what went wrong in it is not hidden
 
     async def _read(self) -> None:
         while True:
@@ -127,7 +135,7 @@ class Link:
 
     async def _write(self) -> None:
         """Send what is to be said as fast as the page reads it."""
-        while self._unread <= _MOST_UNREAD:
+        while True:
             while self._out:
                 text = self._out.popleft()
                 self._unread -= len(text)
@@ -137,7 +145,6 @@ class Link:
                     return
             self._something.clear()
             await self._something.wait()
-        await self._socket.close(_TOO_SLOW, "this page does not read its answers")
 
     def _say(self, said: Data) -> None:
         self._put(json.dumps(said, ensure_ascii=False, allow_nan=False))
@@ -146,6 +153,8 @@ class Link:
         self._out.append(text)
         self._unread += len(text)
         self._something.set()
+        if self._unread > _MOST_UNREAD:
+            self._overfull.set()
 
     def _take(self, text: str) -> None:
         """Do what one message asks."""
@@ -155,8 +164,10 @@ class Link:
             self._wrong(error.id, str(error))
             return
         if isinstance(ask, messages.Cancel):
-            if job := self._jobs.get(ask.cancel):
-                self._studio.crew.cancel(job)
+            self._for_job(ask.cancel, self._studio.crew.cancel)
+            return
+        if isinstance(ask, messages.Finish):
+            self._for_job(ask.finish, self._studio.crew.finish)
             return
         if ask.id in self._jobs:
             self._wrong(None, f"id {ask.id} is still at work; take another one")
@@ -173,6 +184,11 @@ class Link:
             message = messages.Text(id=0, ask="text", scene=ask.scene, format=file.format).model_dump_json().encode()
             hear = partial(self._hear_text, ask, file)
         self._jobs[ask.id] = self._studio.crew.submit(self, ask.lane or ask.ask, message, ask.heavy, hear)
+
+    def _for_job(self, identity: int, act: Callable[[Job], None]) -> None:
+        """Do something about a job of this page, if it is still at work."""
+        if job := self._jobs.get(identity):
+            act(job)
 
     def _hear(self, identity: int, kind: Said, body: bytes) -> None:
         """Pass on what the crew says of a job, as the JSON that it is."""

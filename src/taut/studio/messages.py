@@ -175,9 +175,16 @@ class Cancel(_Strict):
     cancel: Identity
 
 
+class Finish(_Strict):
+    """Say that the best that was found so far is wanted now."""
+
+    finish: Identity
+
+
 Asked: TypeAlias = Check | Plan | Steps | Timelines | Random | Ready | Open | Text | Save | Export | Snippet
 KINDS = tuple(kind.model_fields["ask"].annotation.__args__[0] for kind in Asked.__args__)
 
+_WORDS: dict[str, type[Cancel | Finish]] = {"cancel": Cancel, "finish": Finish}
 _ASKED: TypeAdapter[Asked] = TypeAdapter(Annotated[Asked, Field(discriminator="ask")])
 
 
@@ -189,7 +196,7 @@ class Malformed(Exception):
         self.id = identity
 
 
-def read(text: str | bytes) -> Asked | Cancel:
+def read(text: str | bytes) -> Asked | Cancel | Finish:
     """Return what a message asks.
 
     Raises
@@ -202,11 +209,14 @@ def read(text: str | bytes) -> Asked | Cancel:
     except (ValueError, TypeError) as error:  # a TypeError for text with half a surrogate pair
         raise Malformed(f"this message is not JSON: {error}") from None
     if not isinstance(data, dict):
-        raise Malformed("a message must be an object with `ask` or `cancel`")
+        raise Malformed("a message must be an object with `ask`, `cancel` or `finish`")
     given = data.get("id")
     identity = given if type(given) is int and 0 <= given < 1 << 53 else None
     try:
-        return Cancel.model_validate(data) if "cancel" in data else _ASKED.validate_python(data)
+        for word, kind in _WORDS.items():
+            if word in data:
+                return kind.model_validate(data)
+        return _ASKED.validate_python(data)
     except ValidationError as error:
         raise Malformed(_sentence(error), identity) from None
 

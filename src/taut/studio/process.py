@@ -48,6 +48,10 @@ class WorkerProcess:
         """Ask it to stop a job; it hears at the next step."""
         self._send(b"S", number, b"")
 
+    def finish(self, number: int) -> None:
+        """Ask it to be content with the best it found so far."""
+        self._send(b"F", number, b"")
+
     def kill(self) -> None:
         """End it at once."""
         self._killed = True

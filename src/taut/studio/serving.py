@@ -57,6 +57,8 @@ def serve(source: str, first: Named, port: int | None, browser: bool, debug: boo
         log_level="info" if debug else "critical",
         access_log=debug,
         lifespan="on",
+        loop="asyncio",
+        http="h11",
         ws="websockets-sansio",
         ws_max_size=messages.LONGEST,
         ws_per_message_deflate=False,  # nothing is gained on the way to the same machine
@@ -70,8 +72,11 @@ def serve(source: str, first: Named, port: int | None, browser: bool, debug: boo
         if browser and _has_display():
             threading.Thread(target=_open, args=(address,), daemon=True).start()
 
+    server = _Server(config, ready)
     with contextlib.closing(listening):
-        _Server(config, ready).run(sockets=[listening])
+        server.run(sockets=[listening])
+    if server.failure is not None:
+        raise server.failure
 
 
 def own_port(source: str) -> int:
@@ -113,11 +118,16 @@ class _Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
         super().__init__(config)
         self._ready = ready
+        self.failure: Exception | None = None
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        if self.started:
-            self._ready()
+        try:
+            if self.started:
+                self._ready()
+        except Exception as error:  # nobody reads what it says; the workers must be ended before that is told
+            self.failure = error
+            self.should_exit = True
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:

@@ -138,10 +138,11 @@ def _fiedler(stage: SplitStage, points: int) -> marks.Step:
     ground = stage.ground
     of_vertex = stage.values[ground.groups]
     tiny = np.finfo(float).tiny
-    # each sign by itself: where one side is small its values are so large that the others' would all look like 0
-    shares = of_vertex / np.where(of_vertex < 0, max(-float(of_vertex.min()), tiny), max(float(of_vertex.max()), tiny))
+    largest = np.where(of_vertex < 0, max(-float(of_vertex.min()), tiny), max(float(of_vertex.max()), tiny))
+    # each sign by itself, and roots: few vertices have large values, and all others would look like 0
+    shares = np.sign(of_vertex) * np.sqrt(np.abs(of_vertex) / largest)
     first = set(np.unique(ground.groups, return_index=True)[1].tolist())
-    labels = [f"{value:+.3f}" if v in first else "" for v, value in enumerate(of_vertex.tolist())]
+    labels = [f"{value:+.3f}".replace("-", "−") if v in first else "" for v, value in enumerate(of_vertex.tolist())]
     few = {"labels": labels} if len(first) <= FEW else {}
     return marks.step(
         "Fiedler vector",

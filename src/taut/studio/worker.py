@@ -1,8 +1,9 @@
 """A worker: a process that does one job after another, told by its parent over pipes, and ends with it.
 
 Frames in both directions are four bytes of length and so many bytes. To the worker: a byte "J", four bytes of the
-job's number, and the message of the page; "S" and a number: stop this job. From it: "R" when it is warm; of the job it
-does "P" and progress, and at last "A" and the outcome, or "H" where it heard that it should stop; all as JSON.
+job's number, and the message of the page; "S" and a number: stop this job; "F" and a number: be content with the best
+found so far. From it: "R" when it is warm; of the job it does "P" and progress, and at last "A" and the outcome, or "H"
+where it heard that it should stop; all as JSON.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ class _Bench:
         self._do = do
         self._jobs: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
         self._stopped = -1
+        self._finished = -1
 
     def read(self) -> None:
         """Take frames until the parent is gone, then end the process, whatever it is doing."""
@@ -50,10 +52,13 @@ class _Bench:
             while head := self._source.read(HEAD.size):
                 frame = self._source.read(*HEAD.unpack(head))
                 kind, (number,), rest = frame[:1], HEAD.unpack(frame[1:5]), frame[5:]
-                if kind == b"S":
-                    self._stopped = number  # jobs come one by one: no earlier one is running
-                else:
-                    self._jobs.put((number, rest))
+                match kind:  # jobs come one by one: no earlier one than the one named is running
+                    case b"S":
+                        self._stopped = number
+                    case b"F":
+                        self._finished = number
+                    case _:
+                        self._jobs.put((number, rest))
         finally:
             os._exit(0)
 
@@ -72,7 +77,7 @@ class _Bench:
             number, message = self._jobs.get()
             try:
                 ask = messages.read(message)
-                assert not isinstance(ask, messages.Cancel)
+                assert isinstance(ask, messages.Ask)
                 outcome = self._do(ask, self._teller(number))
             except _Stopped:
                 self.say(b"H")
@@ -100,6 +105,9 @@ class _Bench:
             nonlocal last
             if self._stopped == number:
                 raise _Stopped
+            if self._finished == number:
+                # the planners that have a plan take it for Ctrl-C and return that; the others do not hear it
+                signal.raise_signal(signal.SIGINT)
             now = time.monotonic()
             if now - last >= _OFTEN:
                 last = now

@@ -56,8 +56,8 @@ export function paint(context, view, layers) {
 }
 
 /**
- * One layer of several that depend only on the camera and on some keys of the state. While these rest it is a picture
- * that is copied, so that what moves above it (robots, handles) costs no drawing below.
+ * The lowest layer, made of several that depend only on the camera and on some keys of the state. While these rest it
+ * is a picture that is copied, so that what moves above it (robots, handles) costs no drawing below.
  * @param {readonly string[]} keys
  * @param {readonly Layer[]} layers
  * @returns {Layer}
@@ -77,14 +77,16 @@ export function still(keys, layers) {
       paint(context, view, layers);
       return;
     }
-    if (!picture) {
-      picture = document.createElement("canvas");
-      picture.width = context.canvas.width;
-      picture.height = context.canvas.height;
-      paint(/** @type {CanvasRenderingContext2D} */ (picture.getContext("2d")), view, layers);
+    if (picture) {
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.drawImage(picture, 0, 0);
+      return;
     }
-    context.setTransform(1, 0, 0, 1, 0, 0);
-    context.drawImage(picture, 0, 0);
+    paint(context, view, layers);
+    picture = document.createElement("canvas");
+    picture.width = context.canvas.width;
+    picture.height = context.canvas.height;
+    picture.getContext("2d")?.drawImage(context.canvas, 0, 0);
   };
 }
 

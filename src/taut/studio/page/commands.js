@@ -86,8 +86,11 @@ export function createCommands({ store, history, board, camera, link, player }) 
     rename() {
       if (chosen("rename").length !== 1) return;
       store.set({ tab: "properties" });
-      const field = document.querySelector('#panel [data-field="name"] input');
-      if (field instanceof HTMLInputElement) (field.focus(), field.select());
+      // The panel shows a new selection with the next frame.
+      requestAnimationFrame(() => {
+        const field = document.querySelector('#panel [data-field="name"] input');
+        if (field instanceof HTMLInputElement) (field.focus(), field.select());
+      });
     },
 
     fit() {
@@ -132,6 +135,14 @@ export function createCommands({ store, history, board, camera, link, player }) 
       const { snap } = store.get();
       store.set({ snap: Object.freeze({ ...snap, [name]: !snap[name] }) });
       announce(`Snapping to ${name} ${snap[name] ? "off" : "on"}.`);
+    },
+
+    /** Go some steps on or back in the mode for steps. */
+    step(/** @type {number} */ by) {
+      const { mode, steps } = store.get();
+      const last = (steps.list?.length ?? 0) - 1;
+      if (mode !== "steps" || last < 0) return;
+      store.set({ steps: Object.freeze({ ...steps, index: Math.min(Math.max(0, steps.index + by), last) }) });
     },
 
     nudgeTime(/** @type {number} */ seconds) {

@@ -40,8 +40,11 @@ export function modal({ title, body, buttons = [], wide = false, check = () => t
   const foot = buttons.map(({ label: text, value = text, kind = "plain" }) =>
     element("button", { type: kind === "primary" ? "submit" : "button", class: `button ${kind}`,
       onclick: (/** @type {Event} */ event) => (event.preventDefault(), press(value)) }, text));
-  const form = element("form", { method: "dialog",
-    onsubmit: (/** @type {Event} */ event) => (event.preventDefault(), primary && press(primary.value ?? primary.label)) },
+  const submit = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    if (primary) press(primary.value ?? primary.label);
+  };
+  const form = element("form", { method: "dialog", onsubmit: submit },
   element("div", { class: "dialog-head" },
     element("h2", { id: label }, title),
     element("button", { type: "button", class: "button ghost square", "aria-label": "Close",
@@ -74,7 +77,8 @@ export function ask({ title, text = "", buttons = [{ label: "OK", value: true, k
 /**
  * Ask for values; resolves with the button pressed and {name: value}, null for Escape or a button of value null.
  * A field that is wrong says why and keeps the form open.
- * @param {{title: string, text?: string, fields: FieldSpec[], submit?: string, buttons?: Button[], wide?: boolean}} spec
+ * @param {{title: string, text?: string, fields: FieldSpec[], submit?: string, buttons?: Button[],
+ *   wide?: boolean}} spec
  * @returns {Promise<{button: any, values: Record<string, any>} | null>}
  */
 export async function form({ title, text = "", fields, submit = "OK", buttons, wide = false }) {
@@ -86,8 +90,8 @@ export async function form({ title, text = "", fields, submit = "OK", buttons, w
     return bad.length === 0;
   };
   const foot = buttons ?? [{ label: "Cancel", value: null }, { label: submit, value: submit, kind: "primary" }];
-  const body = [text ? element("p", {}, text) : "", ...made.map(({ field }) => field.node)].filter((part) => part !== "");
-  const pressed = await modal({ title, body: /** @type {Node[]} */ (body), buttons: foot, check, wide }).done;
+  const body = [...(text ? [element("p", {}, text)] : []), ...made.map(({ field }) => field.node)];
+  const pressed = await modal({ title, body, buttons: foot, check, wide }).done;
   if (pressed === null) return null;
   return { button: pressed, values: Object.fromEntries(made.map(({ name, field }) => [name, field.value()])) };
 }
@@ -136,7 +140,8 @@ export function menuButton({ label, content, items, id, class: look = "button gh
     if (focus) button.focus();
   };
   const outside = (/** @type {Event} */ event) => {
-    if (!(event.target instanceof Node) || !(open?.contains(event.target) || button.contains(event.target))) close(false);
+    const target = /** @type {Node} */ (event.target);
+    if (!open?.contains(target) && !button.contains(target)) close(false);
   };
   const show = () => {
     const menu = element("div", { class: "menu", role: "menu", "aria-label": label, onkeydown: walk },
@@ -167,7 +172,7 @@ export function menuButton({ label, content, items, id, class: look = "button gh
 }
 
 /** @param {HTMLElement} menu @returns {HTMLElement[]} */
-const rows = (menu) => [...menu.querySelectorAll("button:not([disabled])")].map((row) => /** @type {HTMLElement} */ (row));
+const rows = (menu) => /** @type {HTMLElement[]} */ ([...menu.querySelectorAll("button:not([disabled])")]);
 
 /** @param {MenuItem} item @param {() => void} close */
 function menuItem({ label, run, keys, icon: name, checked, off = false, id }, close) {

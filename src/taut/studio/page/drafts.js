@@ -3,6 +3,7 @@
 //
 // Each tab writes its own draft; what a draft holds is the document, not its history. A tab that lives holds a lock of
 // the browser, which goes with it however it ends: so two tabs never take each other's draft for that of a dead one.
+// Only a tab that the server refuses (it was started anew and has another token) gives its draft away while it lives.
 
 import { clearDraft, createShelf } from "studio/drafts_shelf.js";
 import { claimTab, livingTabs } from "studio/drafts_tabs.js";
@@ -13,7 +14,7 @@ import { prepareUnderlay } from "studio/underlay.js";
 
 /** Milliseconds from an edit to its draft at most. */
 const DELAY = 250;
-const WATCHED = ["scene", "underlay", "settings", "reach", "file"];
+const WATCHED = ["scene", "underlay", "settings", "reach", "file", "server"];
 
 /**
  * Make the keeper of drafts.
@@ -30,9 +31,10 @@ export function createDrafts({ store, history, dialogs }) {
   const write = () => {
     clearTimeout(timer);
     timer = undefined;
-    const { scene, underlay, settings, reach, file } = store.get();
+    const { scene, underlay, settings, reach, file, server } = store.get();
     if (!tab || !scene) return;
-    const wrong = shelf.put(tab, { version: 1, time: Date.now(), scene, settings, reach, file }, underlay);
+    const cut = Boolean(server?.refused);
+    const wrong = shelf.put(tab, { version: 1, time: Date.now(), cut, scene, settings, reach, file }, underlay);
     store.set({ saved: wrong ? { wrong } : { time: Date.now() } });
     if (wrong && wrong !== told) dialogs.toast(wrong, { kind: "bad" });
     told = wrong ?? "";
@@ -44,6 +46,15 @@ export function createDrafts({ store, history, dialogs }) {
 
   const flush = () => {
     if (timer !== undefined) write();
+  };
+
+  /** Another tab has taken the draft of this one: it is not written again, or two tabs would be one. */
+  const giveUp = (/** @type {StorageEvent} */ { key, newValue }) => {
+    if (!tab || newValue !== null || !shelf.isOf(tab, key)) return;
+    tab = "";
+    const wrong = "This work goes on in another tab: what you do here is not kept any more.";
+    store.set({ saved: { wrong } });
+    dialogs.toast(wrong, { kind: "bad" });
   };
 
   /**
@@ -90,11 +101,11 @@ export function createDrafts({ store, history, dialogs }) {
     /** @type {{id: string, draft: Draft}[]} */
     const left = [];
     for (const id of shelf.ids()) {
-      const draft = id === tab || living.has(id) ? null : shelf.get(id);
-      if (!draft) continue;
+      const draft = id === tab ? null : shelf.get(id);
+      if (!draft || (living.has(id) && !draft.cut)) continue;
       const unsaved = draft.file?.dirty && JSON.stringify(draft.scene) !== now;
       const path = draft.file?.path ?? null;
-      if (!unsaved && !shelf.hasUnderlay(id)) clearDraft(id);
+      if (!unsaved && !shelf.hasUnderlay(id)) forget(id, living);
       else if (path === null || path === (hello.file?.path ?? null)) left.push({ id, draft });
     }
     const newest = left.sort((a, b) => b.draft.time - a.draft.time)[0];
@@ -133,6 +144,7 @@ export function createDrafts({ store, history, dialogs }) {
       store.on(WATCHED, soon);
       document.addEventListener("visibilitychange", () => document.visibilityState === "hidden" && flush());
       window.addEventListener("pagehide", flush);
+      window.addEventListener("storage", giveUp);
       soon();
     },
 
@@ -142,6 +154,15 @@ export function createDrafts({ store, history, dialogs }) {
 }
 
 /** @typedef {ReturnType<typeof createDrafts>} Drafts */
+
+/**
+ * Clear away a draft that holds nothing of its own, unless its tab is still there to hold more.
+ * @param {string} id
+ * @param {Set<string>} living
+ */
+function forget(id, living) {
+  if (!living.has(id)) clearDraft(id);
+}
 
 /** @param {Draft} draft */
 function settingsOf({ settings, reach }) {

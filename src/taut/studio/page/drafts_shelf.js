@@ -3,7 +3,8 @@
 // seldom.
 
 /**
- * @typedef {{version: 1, time: number, scene: any, settings: any, reach: any, file: any}} Draft
+ * @typedef {{version: 1, time: number, cut: boolean, scene: any, settings: any, reach: any, file: any}} Draft cut: the
+ *   server refused its tab, which may live on but can do nothing
  */
 
 const DRAFT = "taut:draft:";
@@ -77,6 +78,13 @@ export function createShelf() {
 
     /** @param {string} tab */
     hasUnderlay: (tab) => read(PICTURE + tab) !== null,
+
+    /**
+     * Whether a storage event is about the draft of a tab.
+     * @param {string} tab
+     * @param {string | null} key
+     */
+    isOf: (tab, key) => key === DRAFT + tab,
 
     /** Tabs, living or dead, that have a draft. */
     ids() {

@@ -97,6 +97,13 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
   const save = async (insist = {}) => {
     history.abandon();
     const { scene, file } = store.get();
+    if (file?.path && !link.isUp()) {
+      dialogs.toast(`The server is gone: ${file.name} is not saved. Your work is kept in this browser.`, {
+        kind: "bad",
+        action: { label: "Download a copy", run: () => saveAs("json") },
+      });
+      return false;
+    }
     if (!file?.path) return saveAs(file?.format === "json" ? "json" : "yaml");
     try {
       const fields = { scene, stamp: file.stamp, ...insist };
@@ -149,7 +156,7 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
   };
 
   /**
-   * Download the scene. Whether the browser took it.
+   * Download the scene; without the server only as JSON, which needs nobody. Whether the browser took it.
    * @param {"yaml" | "json"} format
    * @returns {Promise<boolean>}
    */
@@ -157,8 +164,11 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
     history.abandon();
     const { scene, file } = store.get();
     try {
-      const { text } = await link.ask("text", { scene, format }, { lane: "save" }).promise;
-      download(`${stemOf(file?.name || scene.name || "scene")}.${format}`, text);
+      const up = link.isUp();
+      const text = up
+        ? (await link.ask("text", { scene, format }, { lane: "save" }).promise).text
+        : `${JSON.stringify(scene, null, 1)}\n`;
+      download(`${stemOf(file?.name || scene.name || "scene")}.${up ? format : "json"}`, text);
       // What was named at the start is not saved by a download; anything else now is in a file of the user's.
       if (!file?.path) history.markSaved(scene);
       return true;
@@ -199,6 +209,7 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
         ? { name: file.name, path: file.path, format: file.text_format, stamp: file.stamp }
         : { name: named, path: null, format: "yaml" };
       show({ ...hello, scene: scene ?? emptyScene() }, about);
+      for (const note of hello.notes ?? []) dialogs.toast(sentence(note));
       await drafts.start(hello);
     },
 

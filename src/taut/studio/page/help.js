@@ -13,7 +13,7 @@ import { KEYS, keyText } from "studio/keys.js";
 export function openHelp(tools, version) {
   const drawing = tools.flatMap(({ title, key }) => (key ? [{ title, keys: [key], also: "" }] : []));
   const names = [...new Set(KEYS.map(({ group }) => group))];
-  const groups = names.map((name) => ({ name, rows: /** @type {any[]} */ (KEYS.filter(({ group }) => group === name)) }));
+  const groups = names.map((name) => ({ name, rows: KEYS.filter(({ group }) => group === name) }));
   return modal({
     title: "Keys",
     wide: true,

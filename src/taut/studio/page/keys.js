@@ -2,8 +2,8 @@
 // The keys of the studio: one table that keystrokes are looked up in and the help sheet is written from.
 
 /**
- * A key of the table. `keys` are written as "mod+shift+z" (mod is Ctrl, on Apple's machines ⌘); `run` gets what the page
- * is made of. Keys without `run` belong to the board, which hears them itself; they stand here to be told.
+ * A key of the table. `keys` are written as "mod+shift+z" (mod is Ctrl, on Apple's machines ⌘); `run` gets what the
+ * page is made of. Keys without `run` belong to the board, which hears them itself; they stand here to be told.
  * @typedef {{keys: string[], title: string, group: string, run?: (page: any) => void, also?: string}} Key
  */
 
@@ -44,7 +44,8 @@ export const KEYS = [
   { group: "Time", keys: ["]"], title: "A tenth of a second on", run: ({ commands }) => commands.nudgeTime(0.1) },
   { group: "Time", keys: ["home"], title: "To the beginning", run: ({ player }) => player.seek(0) },
   { group: "Time", keys: ["end"], title: "To the end", run: ({ player }) => player.seek(player.until()) },
-  { group: "Time", keys: [",", "."], title: "Steps: one back, one on" },
+  { group: "Time", keys: [","], title: "Steps: one back", run: ({ commands }) => commands.step(-1) },
+  { group: "Time", keys: ["."], title: "Steps: one on", run: ({ commands }) => commands.step(1) },
   { group: "Plan", keys: ["i"], title: "Improve the plan", run: ({ planner }) => planner.improve() },
   { group: "Plan", keys: ["shift+i"], title: "Stop planning", run: ({ planner }) => planner.stop() },
   { group: "Plan", keys: ["?"], title: "This sheet", run: ({ commands }) => commands.help() },
@@ -80,7 +81,7 @@ export function pressed(event) {
 export function listenToKeys({ page, tools, choose }) {
   const table = new Map(KEYS.flatMap((key) => (key.run ? key.keys.map((each) => [each, key.run]) : [])));
   for (const { name, key } of tools) if (key) table.set(key.toLowerCase(), () => choose(name));
-  let panned = false;
+  let [held, panned] = [false, false];
 
   // Browsers guess whether to show the focus of what a script gave it; the board should show it to the keyboard only.
   const by = (/** @type {Event} */ { type }) => {
@@ -91,7 +92,7 @@ export function listenToKeys({ page, tools, choose }) {
     const what = pressed(event);
     if (what === "space") {
       // The board pans while it is held: it plays when it is let go without that.
-      panned &&= event.repeat;
+      if (!event.repeat) [held, panned] = [true, false];
       return event.preventDefault();
     }
     const run = table.get(what);
@@ -100,8 +101,9 @@ export function listenToKeys({ page, tools, choose }) {
     return run(page);
   };
   const up = (/** @type {KeyboardEvent} */ event) => {
-    if (event.key === " " && !event.defaultPrevented && !keepsKeys(event) && !panned) table.get("space")?.(page);
-    if (event.key === " ") panned = false;
+    if (event.key !== " ") return;
+    if (held && !panned && !event.defaultPrevented) table.get("space")?.(page);
+    held = false;
   };
   const drag = (/** @type {PointerEvent} */ event) => {
     panned ||= event.buttons > 0;

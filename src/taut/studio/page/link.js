@@ -25,9 +25,12 @@ export class Stopped extends Error {
 const FIRST_PAUSE = 250; // milliseconds before the first try to come back; each next one is twice as long
 const LONGEST_PAUSE = 4000;
 const TOKEN_KEY = "taut-studio-token";
+/** Bytes that one message may have. */
+const LONGEST = 16 << 20;
 
 /**
- * @typedef {{promise: Promise<any>, cancel: () => void, id: number}} Asked
+ * @typedef {{promise: Promise<any>, cancel: () => void, finish: () => void, id: number}} Asked what was asked;
+ *   cancelled it ends as Stopped, finished with the best there is so far
  * @typedef {{lane?: string, progress?: (said: any) => void}} AskOptions
  * @typedef {{id: number, kind: string, frame: string, progress: (said: any) => void, resolve: (ok: any) => void,
  *   reject: (error: Error) => void, sent: boolean}} Pending
@@ -121,21 +124,25 @@ export function createLink(url = linkAddress()) {
     ask(kind, fields = {}, { lane, progress = () => {} } = {}) {
       const id = nextId++;
       const frame = JSON.stringify({ id, ask: kind, ...(lane ? { lane } : {}), ...fields });
+      if (frame.length > LONGEST / 3 && new TextEncoder().encode(frame).length > LONGEST) {
+        const message = "This is larger than 16 MB, more than the studio sends; take fewer corners or a smaller plan.";
+        return { promise: Promise.reject(new Wrong({ message, kind: "size" })), cancel() {}, finish() {}, id };
+      }
       const promise = new Promise((resolve, reject) => {
         const ask = { id, kind, frame, progress, resolve, reject, sent: false };
         pending.set(id, ask);
         if (up) send(ask);
       });
-      const cancel = () => {
+      const end = (/** @type {"cancel" | "finish"} */ how) => {
         const ask = pending.get(id);
         if (!ask) return;
-        if (up && ask.sent) socket?.send(JSON.stringify({ cancel: id }));
+        if (up && ask.sent) socket?.send(JSON.stringify({ [how]: id }));
         else {
           pending.delete(id);
           ask.reject(new Stopped("cancelled"));
         }
       };
-      return { promise, cancel, id };
+      return { promise, cancel: () => end("cancel"), finish: () => end("finish"), id };
     },
 
     /**

@@ -14,10 +14,11 @@ import { paintGrid, paintGround, paintScale } from "studio/grid.js";
 import { createHistory } from "studio/history.js";
 import { listenToKeys } from "studio/keys.js";
 import { createLink } from "studio/link.js";
-import { paintOverlay, paintWhy } from "studio/paint_overlay.js";
+import { paintOverlay } from "studio/paint_overlay.js";
 import { paintPlan } from "studio/paint_plan.js";
 import { paintRobots, paintScene } from "studio/paint_scene.js";
 import { paintSteps } from "studio/paint_steps.js";
+import { paintWhy } from "studio/paint_why.js";
 import { createPanels } from "studio/panels.js";
 import { createPlanner } from "studio/planner.js";
 import { createPlayer, endOf } from "studio/player.js";
@@ -85,7 +86,9 @@ const layers = [
   paintWhy,
   paintSteps,
   /** @type {import("studio/board.js").Layer} */
-  (context, view) => view.state.mode === "steps" || paintPlan(context, view),
+  (context, view) => {
+    if (view.state.mode !== "steps") paintPlan(context, view);
+  },
   paintRobots,
 ];
 const board = createBoard(canvas, store, camera, [...layers, paintOverlay, paintScale]);
@@ -113,6 +116,10 @@ store.on(["mode"], ({ mode }) => {
 });
 store.on(["planning"], ({ planning: { running, state, improving } }) =>
   part("stage").classList.toggle("busy", running && (improving || state === "stale")));
+document.querySelector(".skip")?.addEventListener("click", () => {
+  store.set({ tab: "objects", mode: "edit" });
+  part("objects").focus();
+});
 store.on(["said"], ({ said }) => said && announce(said));
 part("view").hidden = true;
 

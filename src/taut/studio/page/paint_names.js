@@ -48,6 +48,10 @@ export function nameRobots(context, view, left) {
     { robot, k, place: robot.goal, solid: false, first: chosen.has(robot.name) },
   ]).filter((/** @type {any} */ { place: [x, y] }) => inSight(view, [x, y, x, y], 20));
   const crowd = ends.length > 2 * CROWD;
+  for (const { robot, place } of ends) {
+    const half = Math.min(discRadius(view, robot) * 0.7, 200);
+    room.put(view.x(place[0]) - half, view.y(place[1]) - half, 2 * half, 2 * half);
+  }
   for (const end of ends.sort((/** @type {any} */ a, /** @type {any} */ b) => Number(b.first) - Number(a.first))) {
     nameEnd(context, view, room, end, !crowd || end.first);
   }
@@ -71,41 +75,47 @@ function nameEnd(context, view, room, { robot, k, place, solid }, beside) {
     return;
   }
   if (!beside) return;
-  const right = x + radius * 0.8 + 3;
-  const at = right + width + 4 < view.width ? right : x - radius * 0.8 - 3 - width;
-  const up = y - radius * 0.8 - 4;
-  if (!room.take(at, up - 6, width, 13)) return;
-  context.textAlign = "left";
-  context.strokeText(robot.name, at, up);
-  context.fillStyle = view.colours.robotInk(k);
-  context.fillText(robot.name, at, up);
+  const aside = radius * 0.8;
+  const [right, left, up, down] = [x + aside + 3, x - aside - 3 - width, y - aside - 4, y + aside + 5];
+  for (const [at, middle] of [[right, up], [left, up], [right, down], [left, down]]) {
+    const shown = at >= 0 && at + width <= view.width;
+    if (!shown || !room.take(at, middle - 6, width, 12)) continue;
+    context.textAlign = "left";
+    context.strokeText(robot.name, at, middle);
+    context.fillStyle = view.colours.robotInk(k);
+    context.fillText(robot.name, at, middle);
+    return;
+  }
 }
 
-/**
- * Which part of the board is written on: `take` says whether a box was free and takes it.
- */
+/** Which part of the board is taken: `put` takes a box, `take` only if it is free, and says so. */
 function createRoom() {
   /** @type {Map<number, number[][]>} */
   const cells = new Map();
+  const cellsOf = (/** @type {number[]} */ [x, y, width, height]) => {
+    const keys = [];
+    for (let i = Math.floor(x / CELL); i * CELL < x + width; i += 1) {
+      for (let j = Math.floor(y / CELL); j * CELL < y + height; j += 1) keys.push(i * 65536 + j);
+    }
+    return keys;
+  };
+  const put = (/** @type {number[]} */ ...box) => {
+    for (const key of cellsOf(box)) {
+      const boxes = cells.get(key);
+      if (boxes) boxes.push(box);
+      else cells.set(key, [box]);
+    }
+  };
 
   return {
-    /**
-     * @param {number} x
-     * @param {number} y
-     * @param {number} width
-     * @param {number} height
-     */
-    take(x, y, width, height) {
-      /** @type {number[]} */
-      const keys = [];
-      for (let i = Math.floor(x / CELL); i * CELL < x + width; i += 1) {
-        for (let j = Math.floor(y / CELL); j * CELL < y + height; j += 1) keys.push(i * 65536 + j);
-      }
-      const taken = keys.some((key) => (cells.get(key) ?? []).some(([a, b, w, h]) =>
+    put,
+
+    take(/** @type {number[]} */ ...box) {
+      const [x, y, width, height] = box;
+      const free = cellsOf(box).every((key) => !cells.get(key)?.some(([a, b, w, h]) =>
         a < x + width && x < a + w && b < y + height && y < b + h));
-      if (taken) return false;
-      for (const key of keys) cells.set(key, [...(cells.get(key) ?? []), [x, y, width, height]]);
-      return true;
+      if (free) put(...box);
+      return free;
     },
   };
 }

@@ -143,6 +143,10 @@ export function inSight(view, [xmin, ymin, xmax, ymax], reach) {
  */
 function paintWall(context, view, wall, face, edge, width) {
   const broad = 2 * ownRadius(wall) * view.camera.scale;
+  if (broad > FAR) {
+    paintBroadWall(context, view, wall, face, edge, width);
+    return;
+  }
   traceObstacle(context, view, wall);
   context.lineCap = "round";
   context.lineJoin = "round";
@@ -153,6 +157,37 @@ function paintWall(context, view, wall, face, edge, width) {
     context.strokeStyle = face;
     context.lineWidth = broad - width;
     context.stroke();
+  }
+}
+
+/**
+ * A wall broader than the board: too broad for a stroke to be exact, so its straight parts and joints are shapes.
+ * @param {CanvasRenderingContext2D} context
+ * @param {View} view
+ * @param {import("studio/scene.js").Obstacle} wall
+ * @param {string} face
+ * @param {string} edge
+ * @param {number} width
+ */
+function paintBroadWall(context, view, wall, face, edge, width) {
+  const [chain, radius] = [outlineOf(wall), ownRadius(wall)];
+  const parts = chain.map((joint) => () => traceCircle(context, view, joint, radius));
+  for (let k = 0; k + 1 < chain.length; k += 1) {
+    const [[ax, ay], [bx, by]] = [chain[k], chain[k + 1]];
+    const reach = radius / (Math.hypot(bx - ax, by - ay) || 1);
+    const [nx, ny] = [(by - ay) * reach, (ax - bx) * reach];
+    parts.push(() => traceRing(context, view,
+      [[ax + nx, ay + ny], [bx + nx, by + ny], [bx - nx, by - ny], [ax - nx, ay - ny]]));
+  }
+  context.strokeStyle = edge;
+  context.lineWidth = 2 * width; // half of it is covered by the faces, which come after all edges
+  context.fillStyle = face;
+  for (const finish of [() => context.stroke(), () => context.fill()]) {
+    for (const trace of parts) {
+      context.beginPath();
+      trace();
+      finish();
+    }
   }
 }
 

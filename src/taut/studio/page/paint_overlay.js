@@ -6,9 +6,8 @@ import { gripsOf } from "studio/hit.js";
 import { discRadius, inSight, traceChain, traceCircle, traceObstacle, traceRing } from "studio/paint_outlines.js";
 import { paintProblems } from "studio/paint_problems.js";
 import { paintSketch } from "studio/paint_sketch.js";
+import { paintWhyWords } from "studio/paint_why.js";
 import { boxOf, obstacleNamed, ownRadius, robotNamed, verticesOf, workspaceRing } from "studio/scene.js";
-
-export { paintWhy } from "studio/paint_why.js";
 
 /**
  * @typedef {import("studio/board.js").View} View
@@ -28,6 +27,7 @@ export function paintOverlay(context, view) {
   for (const ref of selection ?? []) paintOutline(context, view, ref, view.colours.accent, 2);
   paintPairs(context, view);
   if (tool === "select" && !sketch) paintGrips(context, view);
+  paintWhyWords(context, view);
   paintProblems(context, view);
   paintSketch(context, view);
 }

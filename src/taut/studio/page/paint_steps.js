@@ -141,7 +141,7 @@ function ownColour(context, view, robot) {
 /**
  * @param {CanvasRenderingContext2D} context
  * @param {import("studio/board.js").View} view
- * @param {number[][]} points
+ * @param {readonly (readonly number[])[]} points
  */
 function line(context, view, points) {
   context.beginPath();
@@ -167,7 +167,7 @@ function paintVertices(context, view, { points, values, labels }, radius) {
   });
   if (!labels) return;
   points.forEach((/** @type {number[]} */ [x, y], /** @type {number} */ k) =>
-    words(context, view, labels[k], view.x(x) + radius + 3, view.y(y) - radius - 3));
+    words(context, view, labels[k], view.x(x) + radius + 3, view.y(y) + radius + 7)); // names stand above
 }
 
 /**

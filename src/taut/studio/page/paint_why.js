@@ -4,38 +4,53 @@
 import { toScreen } from "studio/camera.js";
 import { faded } from "studio/colours.js";
 import { lengthText } from "studio/grid.js";
-import { traceRing } from "studio/paint_outlines.js";
+import { discRadius, traceRing } from "studio/paint_outlines.js";
 import { paintPin } from "studio/paint_problems.js";
 import { paintBubble, paintPlate } from "studio/paint_words.js";
 import { robotNamed } from "studio/scene.js";
 
-/** @typedef {import("studio/board.js").View} View */
+/**
+ * @typedef {import("studio/board.js").View} View
+ * @typedef {{place: [number, number], ends?: [number, number][] | null, room: number, needed: number}} Gap
+ */
 
 /** Pixels between the lines of a hatching. */
 const HATCH = 9;
 
 /**
- * Layer: nothing while there is a plan.
+ * Layer beneath the robots: the two areas. Nothing while there is a plan.
  * @type {import("studio/board.js").Layer}
  */
 export function paintWhy(context, view) {
-  const { planning, scene, problems } = view.state;
-  const wrong = planning?.state === "failed" ? planning.wrong : null;
-  if (!wrong || !scene) return;
+  const { from = [], to = [] } = failure(view)?.why ?? {};
+  paintArea(context, view, from, view.colours.start, 1);
+  paintArea(context, view, to, view.colours.goal, -1);
+}
+
+/**
+ * Layer above the robots: what the areas are, the gap between them, else the place of what went wrong.
+ * @type {import("studio/board.js").Layer}
+ */
+export function paintWhyWords(context, view) {
+  const wrong = failure(view);
+  if (!wrong) return;
   const { from = [], to = [], gap = null } = wrong.why ?? {};
+  const { scene, problems, sketch } = view.state;
   const { colours } = view;
-  paintArea(context, view, from, colours.start, 1);
-  paintArea(context, view, to, colours.goal, -1);
   const robot = robotNamed(scene, wrong.names?.[0]);
-  if (robot && from.length > 0) nameArea(context, view, robot.start, "reached from the start", colours.start);
-  if (robot && to.length > 0) nameArea(context, view, robot.goal, "reaches the goal", colours.goal);
-  if (gap) paintGap(context, view, gap);
-  const place = gap?.place ?? wrong.place;
-  if (place && !(problems?.length > 0)) {
-    paintPin(context, view, place);
-    const [x, y] = toScreen(view, place);
-    paintBubble(context, view, wrong.message, x, y - 36, colours.bad);
+  if (robot && from.length > 0) nameArea(context, view, robot, "start", gap, "reached from the start");
+  if (robot && to.length > 0) nameArea(context, view, robot, "goal", gap, "reaches the goal");
+  if (gap) paintGap(context, view, gap, robot?.name ?? "it");
+  else if (wrong.place && !(problems?.length > 0)) {
+    paintPin(context, view, wrong.place);
+    const [x, y] = toScreen(view, wrong.place);
+    if (!sketch) paintBubble(context, view, wrong.message, x, y - 19, colours.bad);
   }
+}
+
+/** @param {View} view */
+function failure({ state: { planning, scene } }) {
+  return scene && planning?.state === "failed" ? planning.wrong : null;
 }
 
 /**
@@ -51,7 +66,7 @@ function paintArea(context, view, rings, colour, slope) {
   context.save();
   context.beginPath();
   for (const ring of rings) traceRing(context, view, ring);
-  context.fillStyle = faded(colour, 0.07);
+  context.fillStyle = faded(colour, 0.06);
   context.fill("evenodd");
   context.lineWidth = 1;
   context.strokeStyle = faded(colour, 0.5);
@@ -65,47 +80,55 @@ function paintArea(context, view, rings, colour, slope) {
     context.moveTo(at, 0);
     context.lineTo(at - slope * height, height);
   }
-  context.strokeStyle = faded(colour, 0.32);
+  context.strokeStyle = faded(colour, 0.24);
   context.stroke();
   context.restore();
 }
 
 /**
+ * A plate below a start or goal, or above it where the gap's is below.
  * @param {CanvasRenderingContext2D} context
  * @param {View} view
- * @param {readonly number[]} place
+ * @param {import("studio/scene.js").Robot} robot
+ * @param {"start" | "goal"} end
+ * @param {Gap | null} gap
  * @param {string} words
- * @param {string} colour
  */
-function nameArea(context, view, place, words, colour) {
-  const face = { face: colour, ink: view.colours.dark ? "#16181b" : "#ffffff" };
-  paintPlate(context, view, words, view.x(place[0]), view.y(place[1]) + 22, face);
+function nameArea(context, view, robot, end, gap, words) {
+  const [x, y] = [view.x(robot[end][0]), view.y(robot[end][1])];
+  const aside = discRadius(view, robot) + 15;
+  const near = gap && Math.abs(view.x(gap.place[0]) - x) < 180 && Math.abs(view.y(gap.place[1]) + 20 - y - aside) < 22;
+  const face = { face: view.colours[end], ink: view.colours.dark ? "#16181b" : "#ffffff" };
+  paintPlate(context, view, words, x, near ? y - aside : y + aside, face);
 }
 
 /**
  * The narrowest place: how much room there is, and how much is needed.
  * @param {CanvasRenderingContext2D} context
  * @param {View} view
- * @param {{place: [number, number], ends?: [number, number][], room: number, needed: number}} gap
+ * @param {Gap} gap
+ * @param {string} name of the robot that does not fit
  */
-function paintGap(context, view, { place, ends, room, needed }) {
+function paintGap(context, view, { place, ends, room, needed }, name) {
   const { colours } = view;
-  if (ends?.length === 2) {
-    const [a, b] = ends.map((end) => toScreen(view, end));
-    const length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
-    const [nx, ny] = [(-(b[1] - a[1]) / length) * 6, ((b[0] - a[0]) / length) * 6];
-    context.beginPath();
-    context.moveTo(...a);
-    context.lineTo(...b);
-    for (const [x, y] of [a, b]) {
-      context.moveTo(x - nx, y - ny);
-      context.lineTo(x + nx, y + ny);
-    }
-    context.lineWidth = 2;
-    context.strokeStyle = colours.bad;
-    context.stroke();
+  const [x, y] = toScreen(view, place);
+  const [a, b] = ends?.length === 2 ? ends.map((end) => toScreen(view, end)) : [[x, y], [x, y]];
+  const length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
+  const [nx, ny] = [(-(b[1] - a[1]) / length) * 6, ((b[0] - a[0]) / length) * 6];
+  context.beginPath();
+  context.moveTo(a[0], a[1]);
+  context.lineTo(b[0], b[1]);
+  for (const [endX, endY] of [a, b]) {
+    context.moveTo(endX - nx, endY - ny);
+    context.lineTo(endX + nx, endY + ny);
   }
-  const text = `${lengthText(room)} free, ${lengthText(needed)} needed`;
+  context.lineWidth = 5;
+  context.strokeStyle = colours.halo;
+  context.stroke();
+  context.lineWidth = 2;
+  context.strokeStyle = colours.bad;
+  context.stroke();
   const face = { face: colours.bad, ink: colours.dark ? "#16181b" : "#ffffff" };
-  paintPlate(context, view, text, view.x(place[0]), view.y(place[1]) + 18, face);
+  const below = Math.max(a[1], b[1], y) + 20;
+  paintPlate(context, view, `${name} needs ${lengthText(needed)}: here are ${lengthText(room)}`, x, below, face);
 }

@@ -80,12 +80,8 @@ export function createCorners({ ref, count, ring, fewest }, { store, history }) 
     show(scene) {
       const { selection } = store.get();
       const chosen = selection.length === 1 ? selection[0].vertex : undefined;
-      for (const line of body.children) {
-        line.classList.toggle("chosen", chosen !== undefined && Number(/** @type {HTMLElement} */ (line).dataset.vertex) === chosen);
-      }
-      for (const { property, field } of fields) {
-        if (document.activeElement !== field.input || field.input.value === field.text()) field.show(property.get(scene));
-      }
+      [...body.children].forEach((line, k) => line.classList.toggle("chosen", first + k === chosen));
+      for (const { property, field } of fields) if (!field.edited()) field.show(property.get(scene));
     },
   };
 }

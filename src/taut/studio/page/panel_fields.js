@@ -9,8 +9,8 @@ import { readNumber, writeNumber } from "studio/panel_numbers.js";
  *   value?: any, unit?: string, min?: number, max?: number, above?: number, step?: number, whole?: boolean,
  *   optional?: boolean, placeholder?: string, options?: {value: any, label: string, about?: string}[], help?: string,
  *   digits?: number, check?: (value: any) => string | null, hideLabel?: boolean, autofocus?: boolean}} FieldSpec
- * @typedef {{node: HTMLElement, input: HTMLInputElement, value: () => any, text: () => string, check: () => boolean,
- *   focus: () => void,
+ * @typedef {{node: HTMLElement, input: HTMLInputElement, value: () => any, check: () => boolean,
+ *   focus: () => void, edited: () => boolean,
  *   show: (value: any, options?: {placeholder?: string}) => void}} Field
  */
 
@@ -63,14 +63,16 @@ export function createField(spec, commit = () => null) {
     else return;
     if (event.key !== "Enter" || !input.closest("dialog")) event.preventDefault();
   });
-  const node = element("div", { class: `field ${spec.type}`, "data-field": spec.name },
+  const node = element("div", { class: `field field-${spec.type}`, "data-field": spec.name },
     element("label", { for: id, class: spec.hideLabel ? "unseen" : "" }, spec.label),
     element("div", { class: "control" }, input, unit ? element("span", { class: "unit" }, unit) : null),
     wrong, spec.help ? element("p", { class: "field-help", id: `${id}-help` }, spec.help) : null);
   input.setAttribute("aria-describedby", `${id}-wrong${spec.help ? ` ${id}-help` : ""}`);
   show(spec.value);
   return {
-    node, input, show, focus: () => input.focus(), text: () => written(spec, shown),
+    node, input, show, focus: () => input.focus(),
+    // What somebody is typing is not written over.
+    edited: () => document.activeElement === input && spec.type !== "select" && input.value !== written(spec, shown),
     value: () => {
       const got = read(spec, input.value);
       return "value" in got ? got.value : shown;
@@ -89,13 +91,15 @@ function checkbox(spec, id, commit) {
   input.addEventListener("change", () => {
     if (commit(input.checked)) input.checked = !input.checked;
   });
-  const node = element("div", { class: "field checkbox", "data-field": spec.name },
+  const node = element("div", { class: "field field-checkbox", "data-field": spec.name },
     element("label", { for: id }, input, spec.label),
     spec.help ? element("p", { class: "field-help" }, spec.help) : null);
   const show = (/** @type {any} */ value) => {
     input.checked = Boolean(value);
   };
-  return { node, input, show, text: () => "", focus: () => input.focus(), value: () => input.checked, check: () => true };
+  return {
+    node, input, show, focus: () => input.focus(), edited: () => false, value: () => input.checked, check: () => true,
+  };
 }
 
 /** @param {FieldSpec} spec @param {string} id @returns {HTMLElement} */

@@ -10,9 +10,10 @@ import { wallWidthOf } from "studio/tool_chains.js";
  * @returns {HTMLElement}
  */
 export function createNext(store) {
-  const width = createField({ name: "wall-width", label: "Wall width", type: "number", unit: "m", above: 0, step: 0.05 },
+  const metres = { type: /** @type {const} */ ("number"), unit: "m", step: 0.05 };
+  const width = createField({ ...metres, name: "wall-width", label: "Wall width", above: 0 },
     (value) => store.set({ wallWidth: value }));
-  const radius = createField({ name: "robot-radius", label: "Robot radius", type: "number", unit: "m", min: 0, step: 0.05 },
+  const radius = createField({ ...metres, name: "robot-radius", label: "Robot radius", min: 0 },
     (value) => store.set({ robotRadius: value }));
   const legend = element("legend", {});
   const root = element("fieldset", { class: "group next" }, legend, width.node, radius.node);
@@ -24,8 +25,8 @@ export function createNext(store) {
     radius.node.hidden = tool !== "robot";
     legend.textContent = tool === "wall" ? "Next wall" : "Next robot";
     if (!scene || root.hidden) return;
-    if (document.activeElement !== width.input) width.show(wallWidthOf({ wallWidth, scene }));
-    if (document.activeElement !== radius.input) radius.show(robotRadius ?? scene.robots.at(-1)?.radius ?? 0.2);
+    if (!width.edited()) width.show(wallWidthOf({ wallWidth, scene }));
+    if (!radius.edited()) radius.show(robotRadius ?? scene.robots.at(-1)?.radius ?? 0.2);
   };
   store.on(["tool", "scene", "wallWidth", "robotRadius"], show);
   show();

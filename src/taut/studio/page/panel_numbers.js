@@ -71,17 +71,17 @@ const told = (names) => (names.length ? ` (units: ${[...names].reverse().join(",
 /** @param {(string | number)[]} parts @returns {number} */
 function parse(parts) {
   let k = 0;
-  const sum = () => {
+  const sum = /** @returns {number} */ () => {
     let value = product();
     while (parts[k] === "+" || parts[k] === "-") value += parts[k++] === "+" ? product() : -product();
     return value;
   };
-  const product = () => {
+  const product = /** @returns {number} */ () => {
     let value = factor();
     while (parts[k] === "*" || parts[k] === "/") value = parts[k++] === "*" ? value * factor() : value / factor();
     return value;
   };
-  const factor = () => {
+  const factor = /** @returns {number} */ () => {
     const part = parts[k++];
     if (part === "-") return -factor();
     if (part === "+") return factor();

@@ -24,7 +24,8 @@ export function obstacleWords(obstacle) {
 /** @param {any} robot */
 export function robotWords(robot) {
   const [[a, b], [c, d]] = [robot.start, robot.goal];
-  return `Robot ${robot.name}, radius ${short(robot.radius)} metres, from ${short(a)}, ${short(b)} to ${short(c)}, ${short(d)}`;
+  const way = `from ${short(a)}, ${short(b)} to ${short(c)}, ${short(d)}`;
+  return `Robot ${robot.name}, radius ${short(robot.radius)} metres, ${way}`;
 }
 
 /** @param {any} obstacle */
@@ -60,21 +61,21 @@ export function createObjects({ store, commands }) {
   const obstacles = element("div", { role: "group", "aria-label": "Obstacles" });
   const robots = element("div", { role: "group", "aria-label": "Robots" });
   list.append(robots, obstacles);
-  /** Rows by ref, kept while their object is the same. @type {Map<string, {node: HTMLElement, entry: any, ref: Ref}>} */
+  /** Kept while their object is the same. @type {Map<string, {node: HTMLElement, entry: any, ref: Ref}>} */
   const rows = new Map();
   /** @type {{node: HTMLElement, entry: any, ref: Ref}[]} */
   let visible = [];
   let active = 0;
   let frame = 0;
 
-  const isChosen = (/** @type {Ref} */ ref) => store.get().selection.some((/** @type {Ref} */ other) =>
-    other.name === ref.name && (other.kind === "obstacle") === (ref.kind === "obstacle") && other.kind !== "workspace");
+  const isChosen = (/** @type {Ref} */ ref) =>
+    store.get().selection.some((/** @type {Ref} */ other) => sameThing(other, ref));
 
   /** @param {"robot" | "obstacle"} kind @param {any} entry @param {number} k */
   function rowOf(kind, entry, k) {
     const key = `${kind} ${entry.name}`;
     const kept = rows.get(key);
-    if (kept?.entry === entry) return kept;
+    if (kept && kept.entry === entry) return kept;
     const words = kind === "robot" ? robotWords(entry) : obstacleWords(entry);
     const ref = /** @type {Ref} */ ({ kind, name: entry.name });
     const mark = kind === "robot" ? element("span", { class: "swatch", "data-k": k })
@@ -92,8 +93,8 @@ export function createObjects({ store, commands }) {
 
   function refresh() {
     frame = 0;
-    const { scene, problems, theme } = store.get();
-    if (!scene) return;
+    const { scene, problems, theme, tab } = store.get();
+    if (!scene || tab !== "objects") return;
     const wanted = filter.value.trim().toLowerCase();
     const named = (/** @type {any} */ { name }) => name.toLowerCase().includes(wanted);
     const colours = palette(theme === "dark");
@@ -131,7 +132,7 @@ export function createObjects({ store, commands }) {
     active = visible.findIndex((row) => sameRef(row.ref, ref));
     const { selection } = store.get();
     const add = event.shiftKey || event.ctrlKey || event.metaKey;
-    const rest = selection.filter((/** @type {Ref} */ other) => other.name !== ref.name || (other.kind === "obstacle") !== (ref.kind === "obstacle"));
+    const rest = selection.filter((/** @type {Ref} */ other) => !sameThing(other, ref));
     const next = !add ? [ref] : rest.length < selection.length ? rest : [...selection, ref];
     store.set({ selection: Object.freeze(next) });
     const { scene } = store.get();
@@ -142,7 +143,8 @@ export function createObjects({ store, commands }) {
   /** @param {KeyboardEvent} event */
   function keyed(event) {
     const last = visible.length - 1;
-    const to = { ArrowDown: Math.min(active + 1, last), ArrowUp: Math.max(active - 1, 0), Home: 0, End: last }[event.key];
+    const [up, down] = [Math.max(active - 1, 0), Math.min(active + 1, last)];
+    const to = { ArrowDown: down, ArrowUp: up, Home: 0, End: last }[event.key];
     if (to !== undefined && last >= 0) {
       active = to;
       choose(visible[active].ref, { shiftKey: event.shiftKey && event.key.startsWith("Arrow") });
@@ -167,6 +169,7 @@ export function createObjects({ store, commands }) {
   const later = () => {
     frame ||= requestAnimationFrame(refresh);
   };
+  store.on(["tab"], refresh);
   store.on(["scene", "selection", "problems", "theme"], later);
   store.on(["selection"], ({ selection, scene }) => {
     if (!scene || selection.length === 0 || document.activeElement === list) return;
@@ -185,6 +188,9 @@ function selectionWords(scene, { kind, name, vertex }) {
   return kind === "start" || kind === "goal" ? `${kind} of ${what}, selected.` : `${what}, selected.`;
 }
 
+/** Whether two refs are of one obstacle or one robot. @param {Ref} a @param {Ref} b */
+const sameThing = (a, b) => a.name === b.name && (a.kind === "obstacle") === (b.kind === "obstacle");
+
 /** @param {any} obstacle */
 function brief(obstacle) {
   if (obstacle.circle) return `r ${short(obstacle.radius)} m`;
@@ -193,7 +199,11 @@ function brief(obstacle) {
   return `${short(width)} × ${short(height)} m`;
 }
 
-/** Give a parent exactly these rows, moving only what is not in its place. @param {HTMLElement} parent @param {any[]} rows */
+/**
+ * Give a parent exactly these rows, moving only what is not in its place.
+ * @param {HTMLElement} parent
+ * @param {{node: HTMLElement}[]} rows
+ */
 function fill(parent, rows) {
   rows.forEach(({ node }, k) => {
     if (parent.children[k] !== node) parent.insertBefore(node, parent.children[k] ?? null);

@@ -14,8 +14,8 @@ import { IMPROVE_SECONDS } from "studio/planner_settings.js";
  */
 export function createPlanPanel(page) {
   const { store, planner } = page;
-  const improve = element("button", { id: "improve", type: "button", class: "button primary", onclick: planner.improve },
-    icon("sparkle", 16), "Improve");
+  const improve = element("button", { id: "improve", type: "button", class: "button primary",
+    onclick: planner.improve }, icon("sparkle", 16), "Improve");
   const stop = element("button", { id: "stop", type: "button", class: "button", onclick: planner.stop },
     icon("stop", 16), "Stop");
   const words = element("p", { class: "field-help" });
@@ -40,8 +40,8 @@ export function createPlanPanel(page) {
     set: (settings) => store.set({ settings }),
     watch: (fn) => store.on(["settings"], fn),
   });
-  const reach = createField({ name: "reach", label: "Show links within", type: "number", unit: "m", above: 0, optional: true,
-    step: 0.5, placeholder: "not shown" }, (value) => store.set({ reach: value }));
+  const reach = createField({ name: "reach", label: "Show links within", type: "number", unit: "m", above: 0,
+    optional: true, step: 0.5, placeholder: "not shown" }, (value) => store.set({ reach: value }));
   store.on(["reach", "answer"], () => {
     reach.show(store.get().reach);
     reach.node.hidden = Boolean(store.get().answer?.plan.claims?.contact);

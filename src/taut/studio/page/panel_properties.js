@@ -55,7 +55,8 @@ export function createProperties({ store, history, commands }, underlay) {
       showCorners = made.show;
     }
     if (things(selection).length > 1 && groups.length === 0) {
-      root.append(element("p", { class: "quiet" }, "These have no field in common. They can be moved, turned, duplicated and deleted together."));
+      root.append(element("p", { class: "quiet" },
+        "These have no field in common. They can be moved, turned, duplicated and deleted together."));
     }
     if (selection.length === 0) root.append(underlay);
   }
@@ -70,8 +71,7 @@ export function createProperties({ store, history, commands }, underlay) {
       build();
     }
     for (const { property, field } of shown) {
-      if (document.activeElement === field.input && field.input.matches("input:not([type=checkbox])") &&
-          field.input.value !== field.text()) continue;
+      if (field.edited()) continue;
       const mixed = property.mixed?.(scene) ?? false;
       field.show(property.get(scene), mixed ? { placeholder: "different" } : {});
     }

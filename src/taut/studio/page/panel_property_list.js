@@ -41,11 +41,12 @@ export function things(selection) {
  * @param {readonly Ref[]} selection
  */
 export function signatureOf(scene, selection) {
-  const bounds = scene.bounds ? "bounds" : "workspace";
-  return things(selection).map((ref) => {
+  const of = (/** @type {Ref} */ ref) => {
     const obstacle = ref.kind === "obstacle" ? obstacleNamed(scene, ref.name) : undefined;
-    return `${ref.kind} ${ref.name} ${obstacle ? `${shapeOf(obstacle)} ${verticesOf(scene, ref).length}` : ""}`;
-  }).join("\n") + bounds + (selection.some(({ kind }) => kind === "workspace") ? verticesOf(scene, selection[0]).length : "");
+    const corners = ref.kind === "obstacle" || ref.kind === "workspace" ? verticesOf(scene, ref).length : 0;
+    return [ref.kind, ref.name, obstacle && shapeOf(obstacle), corners];
+  };
+  return JSON.stringify([Boolean(scene.bounds), things(selection).map(of)]);
 }
 
 /**
@@ -88,15 +89,15 @@ export function cornerProperties(ref) {
 export const withoutCorner = (scene, ref) => removeVertex(scene, ref);
 
 /**
- * A new corner in the middle of the edge after this one; beyond the end of a wall, as far again.
+ * A new corner in the middle of the edge after this one.
  * @param {Scene} scene
  * @param {Ref} ref a corner
  */
 export function withCorner(scene, ref) {
   const all = verticesOf(scene, ref);
   const k = ref.vertex ?? 0;
-  const next = all[(k + 1) % all.length];
-  return insertVertex(scene, { kind: ref.kind, name: ref.name }, k, [(all[k][0] + next[0]) / 2, (all[k][1] + next[1]) / 2]);
+  const [[x, y], [nextX, nextY]] = [all[k], all[(k + 1) % all.length]];
+  return insertVertex(scene, { kind: ref.kind, name: ref.name }, k, [(x + nextX) / 2, (y + nextY) / 2]);
 }
 
 /** @param {Scene} scene @param {Ref} ref @returns {Corners} */
@@ -171,11 +172,11 @@ function robotGroups(ref) {
       metres(axis, axis), (scene) => of(scene)[end][k])),
   }));
   return [{ title: "", properties: [nameField(ref)] }, ...ends,
-    { title: "Body", properties: robotFields(ref).map((spec) => field(ref, spec, (scene) => of(scene)[spec.name] ?? null)) }];
+    { title: "Body", properties: robotFields().map((spec) => field(ref, spec, (now) => of(now)[spec.name] ?? null)) }];
 }
 
-/** @param {Ref} _ @returns {FieldSpec[]} */
-function robotFields(_) {
+/** @returns {FieldSpec[]} */
+function robotFields() {
   return [
     metres("radius", "Radius", { min: 0 }),
     { name: "speed", label: "Speed", type: "number", unit: "m/s", above: 0, step: 0.1 },
@@ -196,7 +197,7 @@ function robotFields(_) {
 function commonGroups(scene, refs) {
   const robots = refs.every(({ kind }) => kind === "robot");
   if (robots) {
-    return [{ title: "All of them", properties: robotFields(refs[0]).map((spec) => common(refs, spec,
+    return [{ title: "All of them", properties: robotFields().map((spec) => common(refs, spec,
       (now, ref) => /** @type {any} */ (robotNamed(now, ref.name))?.[spec.name] ?? null)) }];
   }
   const shapes = new Set(refs.map((ref) => {
@@ -206,6 +207,7 @@ function commonGroups(scene, refs) {
   const [shape] = shapes;
   if (shapes.size > 1) return [];
   const of = (/** @type {Scene} */ now, /** @type {Ref} */ ref) => /** @type {any} */ (obstacleNamed(now, ref.name));
+  /** @type {Record<string, Property[]>} */
   const fields = {
     circle: [common(refs, metres("radius", "Radius", { above: 0 }), (now, ref) => of(now, ref)?.radius)],
     line: [common(refs, metres("width", "Width", { above: 0 }), (now, ref) => of(now, ref)?.width)],
@@ -213,8 +215,8 @@ function commonGroups(scene, refs) {
       common(refs, metres("width", "Width", { above: 0 }), (now, ref) => of(now, ref)?.rectangle[2]),
       common(refs, metres("height", "Height", { above: 0 }), (now, ref) => of(now, ref)?.rectangle[3]),
     ],
-  }[shape] ?? [];
-  return fields.length ? [{ title: "All of them", properties: fields }] : [];
+  };
+  return fields[shape] ? [{ title: "All of them", properties: fields[shape] }] : [];
 }
 
 /** @param {string} name @param {string} label @param {Partial<FieldSpec>} [more] @returns {FieldSpec} */

@@ -29,7 +29,8 @@ export function createResult({ store, player, commands }) {
 
   function refresh() {
     frame = 0;
-    const { answer, planning, problems, scene } = store.get();
+    const { answer, planning, problems, scene, tab } = store.get();
+    if (tab !== "plan") return;
     clear(root);
     if (problems.length) root.append(problemCard(problems, go, store));
     if (planning.state === "failed" && !covers(problems, planning.wrong)) root.append(failureCard(planning.wrong, go));
@@ -40,43 +41,49 @@ export function createResult({ store, player, commands }) {
     root.append(verdictCard(answer, planning, go));
     const { certificate, conflicts, notes } = answer;
     if (certificate) root.append(certificateTable(certificate, go));
-    root.append(...folds(answer));
+    root.append(fold("Robots", answer.plan.robots, (robot) => fate(robot, answer)));
     if (conflicts.length) {
-      root.append(fold("conflicts", `Conflicts resolved (${conflicts.length})`, conflicts.map((/** @type {any} */ each) =>
-        spot(each.sentence, each.time, () => go(each),
-          (on) => store.set({ hover: on ? { kind: "conflict", name: each.robot, conflict: each } : null })))));
+      root.append(fold("Conflicts resolved", conflicts, (each) => spot(each.sentence, each.time, () => go(each),
+        (on) => store.set({ hover: on ? { kind: "conflict", name: each.robot, conflict: each } : null }))));
     }
-    if (notes.length) root.append(fold("notes", `Notes (${notes.length})`,
-      notes.map((/** @type {string} */ note) => element("li", {}, note))));
+    if (notes.length) root.append(fold("Notes", notes, (note) => element("li", {}, note)));
   }
 
-  /** @param {any} answer */
-  function folds({ plan, detours, shortest }) {
-    const lines = plan.robots.map((/** @type {any} */ { name, stamps }) => {
-      const arrival = stamps[stamps.length - 1][0];
-      const way = shortest[name] === undefined ? "" : `shortest way ${figure(shortest[name])} m`;
-      return spot([name, `arrives at ${figure(arrival)} s`, way, detours[name]].filter(Boolean).join(", "), null,
-        () => store.set({ selection: Object.freeze([{ kind: "robot", name }]) }),
-        (on) => store.set({ hover: on ? { kind: "robot", name } : null }));
-    });
-    return lines.length ? [fold("robots", `Robots (${lines.length})`, lines)] : [];
+  /** How one robot fares. @param {any} robot @param {any} answer */
+  function fate({ name, stamps }, { detours, shortest }) {
+    const arrival = `arrives at ${figure(stamps[stamps.length - 1][0])} s`;
+    const way = shortest[name] === undefined ? "" : `shortest way ${figure(shortest[name])} m`;
+    return spot([name, arrival, way, detours[name]].filter(Boolean).join(", "), null,
+      () => store.set({ selection: Object.freeze([{ kind: "robot", name }]) }),
+      (on) => store.set({ hover: on ? { kind: "robot", name } : null }));
   }
 
-  /** @param {string} key @param {string} title @param {HTMLElement[]} lines */
-  function fold(key, title, lines) {
-    const all = open.has(`${key} all`) || lines.length <= FEW;
-    const list = element("ul", { class: "spots" }, ...(all ? lines : lines.slice(0, FEW)));
-    if (!all) {
-      list.append(element("li", {}, element("button", { type: "button", class: "button small ghost",
-        onclick: () => (open.add(`${key} all`), refresh()) }, `Show all ${lines.length}`)));
-    }
-    return element("details", { class: "group", open: open.has(key), ontoggle: (/** @type {any} */ event) =>
-      (event.target.open ? open.add(key) : open.delete(key)) }, element("summary", {}, title), list);
+  /**
+   * A list whose lines are made when it is opened.
+   * @param {string} title
+   * @param {any[]} all
+   * @param {(each: any) => HTMLElement} line
+   */
+  function fold(title, all, line) {
+    const list = element("ul", { class: "spots" });
+    const fill = (/** @type {number} */ many) => list.replaceChildren(...all.slice(0, many).map(line),
+      ...(many < all.length ? [element("li", {}, element("button", { type: "button", class: "button small ghost",
+        onclick: () => fill(all.length) }, `Show all ${all.length}`))] : []));
+    const toggled = (/** @type {Event} */ event) => {
+      const shown = /** @type {HTMLDetailsElement} */ (event.target).open;
+      if (shown) open.add(title);
+      else open.delete(title);
+      if (shown && !list.firstChild) fill(FEW);
+    };
+    if (open.has(title)) fill(FEW);
+    return element("details", { class: "group", open: open.has(title), ontoggle: toggled },
+      element("summary", {}, `${title} (${all.length})`), list);
   }
 
   const later = () => {
     frame ||= requestAnimationFrame(refresh);
   };
+  store.on(["tab"], refresh);
   store.on(["answer", "planning", "problems", "scene"], (now, before) => {
     const same = now.answer === before.answer && now.problems === before.problems &&
       now.planning.state === before.planning.state && now.planning.wrong === before.planning.wrong;
@@ -111,8 +118,8 @@ function failureCard(wrong, go) {
     element("h3", {}, icon("warn", 16), "No plan"),
     element("p", {}, wrong?.message ?? "Planning failed."),
     ...sentences.map((/** @type {string} */ said) => element("p", {}, said)),
-    at ? element("button", { type: "button", class: "button small", onclick: () => go({ place: at, time: wrong.time }) },
-      "Show where") : null);
+    at ? element("button", { type: "button", class: "button small",
+      onclick: () => go({ place: at, time: wrong.time }) }, "Show where") : null);
 }
 
 /** @param {any} scene @param {any} planning */
@@ -131,7 +138,8 @@ function verdictCard({ certificate, metrics, improved, opened }, { state, second
   const card = element("section", { class: `card ${old ? "stale" : ok ? "good" : certificate ? "bad" : ""}`,
     id: "verdict", "aria-label": "Result" },
   element("h3", {}, ok && !old ? icon("check", 16) : null, title, element("span", { class: "quiet number" }, took)));
-  if (metrics) card.append(element("dl", { class: "figures number" }, ...costRows(metrics).flatMap(([name, value, hint]) =>
+  const rows = metrics ? costRows(metrics) : [];
+  if (rows.length) card.append(element("dl", { class: "figures number" }, ...rows.flatMap(([name, value, hint]) =>
     [element("dt", { title: hint ?? null }, name), element("dd", {}, value)])));
   for (const problem of certificate?.problems ?? []) card.append(element("ul", { class: "spots" },
     spot(problem.text, problem.time, () => go(problem))));
@@ -147,28 +155,36 @@ function costRows({ sum_of_costs: sum, makespan, length, lower_bound: bound, abo
     const of = bound.of === "makespan" ? "the makespan" : "the sum of costs";
     rows.push([`Bound (${bound.model})`, `${figure(bound.value)} s`, `No plan of this model has ${of} below it.`]);
   }
-  if (above !== null && above !== undefined) rows.push(["Above the bound", above <= 0 ? "0 %, optimal" : `${share(above)} %`]);
+  if (typeof above === "number") rows.push(["Above the bound", above <= 0 ? "0 %, optimal" : `${share(above)} %`]);
   return rows;
 }
 
 /** @param {any} certificate @param {(spot: any) => void} go */
 function certificateTable({ separation, clearance, max_speed_ratio: speed, contact, tol }, go) {
-  const line = (/** @type {string} */ name, /** @type {string} */ value, /** @type {any} */ at, /** @type {string} */ words) =>
-    [element("dt", {}, name), element("dd", {}, at ? element("button", { type: "button", class: "spot-link", title: words,
-      "aria-label": `${name} ${value}: ${words}`, onclick: () => go(at) }, value) : value)];
+  /** @type {Line} */
+  const line = (name, value, at = null, words = "") => {
+    const link = at && element("button", { type: "button", class: "spot-link", title: words,
+      "aria-label": `${name} ${value}: ${words}`, onclick: () => go(at) }, value);
+    return [element("dt", {}, name), element("dd", {}, link ?? value)];
+  };
   const found = [
     ...(separation ? line("Least separation", `${figure(separation.value)} m`, separation,
       `${separation.robots.join(" and ")} at ${figure(separation.time)} s`) : []),
     ...(clearance ? line("Least clearance", `${figure(clearance.value)} m`, clearance,
       `${clearance.robot} and ${clearance.obstacle} at ${figure(clearance.time)} s`) : []),
-    ...line("Top speed used", `${share(speed)} %`, null, ""),
+    ...line("Top speed used", `${share(speed)} %`),
     ...(contact ? contactLines(contact, line) : []),
-    ...line("Tolerance", `${tol.toExponential(1)} m`, null, ""),
+    ...line("Tolerance", `${tol.toExponential(1)} m`),
   ];
   return element("dl", { class: "figures number group", "aria-label": "Certificate" }, ...found);
 }
 
-/** @param {any} contact @param {(name: string, value: string, at: any, words: string) => HTMLElement[]} line */
+/**
+ * A number of the certificate and where it was found.
+ * @typedef {(name: string, value: string, at?: any, words?: string) => HTMLElement[]} Line
+ */
+
+/** @param {any} contact @param {Line} line */
 function contactLines({ lambda2, lambda2_time: at, needed_range: range, needed_time: when }, line) {
   return [
     ...(lambda2 === null ? [] : line("Least λ2", figure(lambda2), { time: at }, `at ${figure(at)} s`)),
@@ -193,8 +209,8 @@ function spot(text, time, run, hover = () => {}) {
 export function figure(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
-  const text = size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(1) : size >= 0.01 ? value.toFixed(3 - (size >= 10 ? 1 : 0))
-    : value.toExponential(1);
+  const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : 3;
+  const text = size < 0.01 ? value.toExponential(1) : value.toFixed(digits);
   return text.replace("-", "−");
 }
 

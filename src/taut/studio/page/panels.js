@@ -16,15 +16,16 @@ import { underlayPanel } from "studio/underlay_panel.js";
 export function createPanels(page, stepper) {
   const { store } = page;
   const tabs = [
-    { name: "properties", label: "Properties", parts: [createNext(store), createProperties(page, underlayPanel(page))] },
+    { name: "properties", label: "Properties",
+      parts: [createNext(store), createProperties(page, underlayPanel(page))] },
     { name: "objects", label: "Objects", parts: [createObjects(page)] },
     { name: "plan", label: "Plan", parts: [createPlanPanel(page)] },
   ].map((tab) => ({
     ...tab,
     button: element("button", { type: "button", role: "tab", id: `tab-${tab.name}`, "aria-controls": `body-${tab.name}`,
       "data-tab": tab.name, onclick: () => store.set({ tab: tab.name }), onkeydown: walk }, tab.label),
-    pane: element("div", { role: "tabpanel", id: `body-${tab.name}`, class: "pane", "aria-labelledby": `tab-${tab.name}` },
-      ...tab.parts),
+    pane: element("div", { role: "tabpanel", id: `body-${tab.name}`, class: "pane",
+      "aria-labelledby": `tab-${tab.name}` }, ...tab.parts),
   }));
   const strip = element("div", { class: "tabs segmented", role: "tablist", "aria-label": "Panel" },
     ...tabs.map(({ button }) => button));

@@ -5,12 +5,16 @@ import { element } from "studio/dom.js";
 import { createField } from "studio/panel_fields.js";
 import { applies } from "studio/planner_settings.js";
 
-/** @typedef {Record<string, any>} Settings */
+/**
+ * @typedef {Record<string, any>} Settings
+ * @typedef {import("studio/panel_fields.js").FieldSpec} FieldSpec
+ * @typedef {{value?: () => any, put?: (chosen: any) => Settings, shown?: () => boolean}} Part where a setting is kept
+ */
 
 const METHODS = [
   { value: null, label: "Prioritized", about: "one robot after another; failed ones are moved to the front" },
-  { value: "mrppa", label: "MRPPA", about: "the thesis' method: the graph cut in two and bridged by λ2, then in order" },
-  { value: "search", label: "Search for priorities", about: "priorities between pairs, searched until all get through" },
+  { value: "mrppa", label: "MRPPA", about: "the graph cut in two and bridged by λ2, then in order" },
+  { value: "search", label: "Search for priorities", about: "priorities between pairs until all get through" },
   { value: "repair", label: "Repair", about: "a plan in order, then a few robots at a time planned anew" },
   { value: "optimal", label: "Optimal", about: "least cost on its roadmap, with a proven bound" },
 ];
@@ -20,9 +24,15 @@ const ORDERS = [
   { value: "given", label: "As in the scene" },
 ];
 const ROADMAPS = [
-  { value: null, label: "Visibility graph" }, ...["voronoi", "grid", "prm", "lazy-prm", "cells", "potential", "ca", "oca"]
-    .map((value) => ({ value, label: { voronoi: "Voronoi", grid: "Grid", prm: "PRM", "lazy-prm": "Lazy PRM",
-      cells: "Cells", potential: "Potential field", ca: "Central algorithm (CA)", oca: "Optimised CA (OCA)" }[value] ?? value })),
+  { value: null, label: "Visibility graph" },
+  { value: "voronoi", label: "Voronoi" },
+  { value: "grid", label: "Grid" },
+  { value: "prm", label: "PRM" },
+  { value: "lazy-prm", label: "Lazy PRM" },
+  { value: "cells", label: "Cells" },
+  { value: "potential", label: "Potential field" },
+  { value: "ca", label: "CA, central algorithm" },
+  { value: "oca", label: "OCA, optimised CA" },
 ];
 const OBJECTIVES = [
   { value: null, label: "Sum of costs" },
@@ -37,9 +47,11 @@ const OBJECTIVES = [
 export function createSettingsForm({ name, get, set, watch, compact = false }) {
   /** @type {{field: any, value: () => any, shown: () => boolean}[]} */
   const made = [];
-  const add = (/** @type {any} */ spec, /** @type {Partial<{value: () => any, put: (v: any) => Settings,
-    shown: () => boolean}>} */ { value = () => get()[spec.name] ?? null, put, shown = () => applies(get(), spec.name) } = {}) => {
-    const field = createField(spec, (chosen) => set(clean(put ? put(chosen) : { ...get(), [spec.name]: chosen })));
+  /** @param {FieldSpec} spec @param {Part} [part] */
+  const add = (spec, part = {}) => {
+    const { value = () => get()[spec.name] ?? null, put = (chosen) => ({ ...get(), [spec.name]: chosen }),
+      shown = () => applies(get(), spec.name) } = part;
+    const field = createField(spec, (chosen) => set(clean(put(chosen))));
     made.push({ field, value, shown });
     return field.node;
   };
@@ -50,7 +62,8 @@ export function createSettingsForm({ name, get, set, watch, compact = false }) {
   });
   const range = {
     value: () => get().contact?.range ?? null,
-    put: (/** @type {any} */ chosen) => ({ ...get(), contact: chosen === null ? null : { ...get().contact, range: chosen } }),
+    put: (/** @type {number | null} */ metres) =>
+      ({ ...get(), contact: metres === null ? null : { ...get().contact, range: metres } }),
   };
   const about = element("p", { class: "field-help" });
 
@@ -62,7 +75,8 @@ export function createSettingsForm({ name, get, set, watch, compact = false }) {
     add({ name: "contact", label: "Range", type: "number", unit: "m", above: 0, optional: true,
       placeholder: "none", step: 0.5 }, range),
     add({ name: "sight", label: "Obstacles break contact", type: "checkbox" }, contact("sight", false)),
-    add({ name: "k", label: "Connected when k − 1 fail: k", type: "number", whole: true, min: 1 }, contact("k", 1)),
+    add({ name: "k", label: "k", type: "number", whole: true, min: 1,
+      help: "the team stays connected when any k − 1 robots fail" }, contact("k", 1)),
     add({ name: "lambda2", label: "λ2 at least", type: "number", min: 0, step: 0.1 }, contact("lambda2", 0)));
   const budget = element("fieldset", { class: "group" }, element("legend", {}, "Improve"),
     add({ name: "seconds", label: "Seconds", type: "number", unit: "s", above: 0, optional: true, placeholder: "10",
@@ -72,13 +86,13 @@ export function createSettingsForm({ name, get, set, watch, compact = false }) {
     add({ name: "objective", label: "Make least", type: "select", options: OBJECTIVES }),
     add({ name: "within", label: "Within a factor of", type: "number", min: 1, optional: true, placeholder: "1",
       step: 0.05 }),
-    add({ name: "seed", label: "Seed", type: "number", whole: true, min: 0, max: Number.MAX_SAFE_INTEGER, optional: true,
-      placeholder: "0" }));
+    add({ name: "seed", label: "Seed", type: "number", whole: true, min: 0, max: Number.MAX_SAFE_INTEGER,
+      optional: true, placeholder: "0" }));
 
   const show = () => {
     for (const { field, value, shown } of made) {
       field.node.hidden = !shown();
-      if (document.activeElement !== field.input || field.input.matches("select")) field.show(value());
+      if (!field.edited()) field.show(value());
     }
     about.textContent = METHODS.find(({ value }) => value === (get().method ?? null))?.about ?? "";
     keep.hidden = !applies(get(), "contact");

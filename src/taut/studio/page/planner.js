@@ -7,10 +7,12 @@ import { newestOnly } from "studio/planner_lane.js";
 import { improveSettings, liveSettings } from "studio/planner_settings.js";
 
 const STALE_AFTER = 200; // milliseconds: a plan that is older than that is drawn as stale
-const SLOW = 300; // milliseconds: scenes that take longer are planned during drags only when the pointer rests
+const SLOW = 300; // milliseconds: in drags, scenes that take longer are planned when the pointer rests, and now and then
 const REST = 150;
 const CHECK_PACE = 120; // milliseconds between checks during a drag: the processor is for the plans then
 const KEPT_LATENCIES = 2000;
+/** How planning stands where there is nothing to tell. */
+const NONE = { state: "idle", progress: null, wrong: null, seconds: null };
 
 /**
  * @typedef {{revision: number, scene: any, settings: Record<string, any>, improved: boolean, at: number,
@@ -28,14 +30,17 @@ export function createPlanner({ store, link, history }) {
   /** @type {number[]} */
   const latencies = [];
   let improving = false;
-  let tookLast = 0;
-  let answered = 0; // the revision of the newest result
+  /** Milliseconds that the last live plans took: one hiccup does not make a scene a slow one. @type {number[]} */
+  let took = [];
+  let landed = 0; // when the newest plan came
+  let answered = 0; // the number of the newest ask with a result
   let moved = /** @type {number | null} */ (null);
   let restTimer = 0;
   let staleTimer = 0;
   let checkTimer = 0;
 
-  const tell = (/** @type {Record<string, any>} */ patch) => store.set({ planning: { ...store.get().planning, ...patch } });
+  const tell = (/** @type {Record<string, any>} */ patch) =>
+    store.set({ planning: Object.freeze({ ...store.get().planning, ...patch }) });
 
   const plans = newestOnly({
     start() {
@@ -50,29 +55,27 @@ export function createPlanner({ store, link, history }) {
     },
     done(ok, asked) {
       const request = land(asked);
-      if (!request || request.revision < answered) return;
-      const seconds = (performance.now() - request.at) / 1000;
-      if (!request.improved) tookLast = seconds * 1000;
-      show(request, ok, seconds);
+      if (!request) return;
+      // What the worker took, not the round trip: that may have waited until the kernels were warm.
+      const worked = Object.values(ok.phases).reduce((sum, part) => sum + 1000 * part, 0);
+      if (!request.improved) took = [...took, worked].slice(-3);
+      show(request, ok, (performance.now() - request.at) / 1000);
     },
     failed(error, asked) {
       const request = land(asked);
-      if (!request || request.revision < answered) return undefined;
+      if (!request) return undefined;
       if (request.improved && store.get().answer?.revision === request.revision) return unimproved(error);
-      answered = request.revision;
-      if (!request.improved) tookLast = performance.now() - request.at;
       clearTimeout(staleTimer);
       const wrong = error.said ?? { message: error.message };
       tell({ state: "failed", wrong, revision: request.revision, progress: null });
       if (isNewest(request) && !history.dragging()) announce(`No plan. ${wrong.message}`);
       return undefined;
     },
-    ended(reason) {
+    ended() {
       improving = false;
       const { revision, answer, settings } = store.get();
       const same = answer?.revision === revision && answer.settings === settings;
       tell({ running: false, improving: false, progress: null, state: same ? "fresh" : answer ? "stale" : "idle" });
-      if (reason === "cancelled") announce("Planning stopped.");
     },
   });
 
@@ -84,9 +87,11 @@ export function createPlanner({ store, link, history }) {
 
   /** @param {{id: number}} asked */
   function land(asked) {
-    const request = requests.get(asked.id);
+    const request = asked.id > answered ? requests.get(asked.id) : undefined;
+    if (request) answered = asked.id;
     for (const id of [...requests.keys()]) if (id <= asked.id) requests.delete(id);
     if (request?.improved) improving = false;
+    landed = performance.now();
     tell({ running: plans.running(), improving });
     return request;
   }
@@ -96,14 +101,13 @@ export function createPlanner({ store, link, history }) {
 
   /** @param {Request} request @param {any} ok @param {number} seconds */
   function show(request, ok, seconds) {
-    answered = request.revision;
     clearTimeout(staleTimer);
     const { scene, revision, settings, improved } = request;
     const newest = isNewest(request);
     store.set({
       answer: Object.freeze({ ...ok, scene, revision, settings, improved }),
-      planning: { ...store.get().planning, state: newest ? "fresh" : "planning", wrong: null, revision, seconds,
-        progress: null },
+      planning: Object.freeze({ ...store.get().planning, state: newest ? "fresh" : "planning", wrong: null, revision,
+        seconds, progress: null }),
     });
     if (!newest) ageing();
     if (newest && !history.dragging()) announce(spoken(ok, improved));
@@ -148,8 +152,19 @@ export function createPlanner({ store, link, history }) {
       tell({ state: "planning" });
       ageing();
     }
-    if (history.dragging() && tookLast > SLOW) restTimer = setTimeout(plans.want, REST);
-    else plans.want();
+    const slow = history.dragging() && middle(took) > SLOW;
+    if (slow) restTimer = setTimeout(plans.want, REST);
+    // A hand that keeps moving sees a plan now and then; half of the time is left to other work.
+    const due = !plans.running() && performance.now() - landed > Math.max(REST, middle(took));
+    if (!slow || due) plans.want();
+  }
+
+  /** Another document: plans of the one before, shown or on their way, say nothing about it. */
+  function forget() {
+    const { revision } = store.get();
+    for (const [id, request] of requests) if (request.revision < revision) requests.delete(id);
+    took = [];
+    store.set({ answer: null, timelines: null, planning: Object.freeze({ ...store.get().planning, ...NONE }) });
   }
 
   function check() {
@@ -168,7 +183,7 @@ export function createPlanner({ store, link, history }) {
     plans.cancel();
     requests.clear();
     clearTimeout(staleTimer);
-    store.set({ answer: null, planning: { state: "idle", running: false, progress: null, wrong: null } });
+    store.set({ answer: null, planning: Object.freeze({ ...NONE, running: false }) });
   }
 
   // The pointer's own time is when the mouse moved, not when the page came to hear of it.
@@ -180,6 +195,7 @@ export function createPlanner({ store, link, history }) {
 
   const ends = [
     store.on(["revision", "settings"], changed),
+    store.on(["opened"], forget),
     store.on(["revision"], check),
     link.on("hello", () => {
       if (!store.get().scene) return;
@@ -199,7 +215,13 @@ export function createPlanner({ store, link, history }) {
       plans.want();
     },
 
-    stop: () => plans.cancel(),
+    /** Stop what is under way: an improvement keeps the best plan that it found. */
+    stop() {
+      if (!plans.running()) return;
+      announce("Planning stopped.");
+      if (improving) plans.finish();
+      else plans.cancel();
+    },
 
     /** Plan anew, as after a change. */
     replan: changed,
@@ -213,12 +235,11 @@ export function createPlanner({ store, link, history }) {
       plans.cancel();
       requests.clear();
       const { revision, settings } = store.get();
-      answered = revision;
       const answer = { plan, certificate: plan.certificate ?? null, metrics: plan.metrics ?? null, conflicts: [],
         detours: {}, shortest: {}, notes: [], phases: {}, history: [] };
       store.set({
         answer: Object.freeze({ ...answer, scene, revision, settings, improved: false, opened: true }),
-        planning: { state: "fresh", running: false, progress: null, wrong: null, revision, seconds: null },
+        planning: Object.freeze({ ...NONE, state: "fresh", running: false, revision }),
       });
     },
 
@@ -232,6 +253,9 @@ export function createPlanner({ store, link, history }) {
 }
 
 /** @typedef {ReturnType<typeof createPlanner>} Planner */
+
+/** @param {number[]} values the middle one, 0 of none */
+const middle = (values) => [...values].sort((a, b) => a - b)[values.length >> 1] ?? 0;
 
 /** @param {any} ok @param {boolean} improved */
 function spoken({ metrics, certificate }, improved) {

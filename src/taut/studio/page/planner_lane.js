@@ -7,8 +7,8 @@ import { Stopped } from "studio/link.js";
 const PATIENCE = 250;
 
 /**
- * `start` sends the ask for the state as it is now; `done` gets each answer, `failed` each thing found wrong. An ask that
- * a newer one ended says nothing; one that was cancelled or lost says so to `ended`.
+ * `start` sends the ask for the state as it is now; `done` gets each answer, `failed` each thing found wrong. An ask
+ * that a newer one ended says nothing; one that was cancelled or lost says so to `ended`.
  * @param {{start: () => import("studio/link.js").Asked, done: (ok: any, asked: any) => void,
  *   failed: (error: any, asked: any) => void, ended?: (reason: string) => void}} work
  */
@@ -56,6 +56,12 @@ export function newestOnly({ start, done, failed, ended = () => {} }) {
       clearTimeout(timer);
       waiting = false;
       flight?.asked.cancel();
+    },
+    /** Be content with the best that what is under way has so far. */
+    finish() {
+      clearTimeout(timer);
+      waiting = false;
+      flight?.asked.finish();
     },
   };
 }

@@ -31,8 +31,8 @@ export function applies({ method = null }, name) {
  * @returns {Settings}
  */
 export function liveSettings(settings) {
-  const quick = LONG.includes(settings.method) ? { ...settings, method: null, objective: null, within: null } : settings;
-  return meant({ ...quick, rounds: null, seconds: null });
+  const method = LONG.includes(settings.method) ? null : settings.method;
+  return meant({ ...settings, method, rounds: null, seconds: null });
 }
 
 /**
@@ -52,7 +52,6 @@ export function improveSettings(settings) {
  * @returns {Settings}
  */
 function meant(settings) {
-  return Object.fromEntries(
-    Object.entries(settings).filter(([name, value]) => value !== null && value !== undefined && applies(settings, name)),
-  );
+  return Object.fromEntries(Object.entries(settings).filter(
+    ([name, value]) => value !== null && value !== undefined && applies(settings, name)));
 }

@@ -9,6 +9,8 @@ const SERVER_WORDS = /** @type {Record<string, string>} */ ({
   gone: "server gone",
 });
 
+const CLOCK = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit" });
+
 /**
  * Fill the status line.
  * @param {HTMLElement} root
@@ -37,7 +39,7 @@ export function createStatus(root, store) {
   });
   store.on(["server"], ({ server: { state } }) => {
     server.className = `pill ${state === "gone" ? "bad" : state === "ready" ? "" : "warn"}`;
-    server.replaceChildren(state === "ready" ? "" : element("span", { class: "dot-run" }), SERVER_WORDS[state] ?? state);
+    server.replaceChildren(state === "ready" ? "" : dot(), SERVER_WORDS[state] ?? state);
   });
   showPlanning(store.get());
 
@@ -56,10 +58,13 @@ export function createStatus(root, store) {
  */
 function wordsOf({ state, running, seconds, progress, improving }, answer, server) {
   if (improving && running) return ["", dot(), progress?.text ?? "improving…"];
+  if (running && !answer && state !== "failed") {
+    return ["", dot(), server === "ready" ? (progress?.text ?? "planning…") : "waiting for the planner…"];
+  }
   switch (state) {
     case "planning":
     case "fresh": {
-      if (!answer) return ["", dot(), server === "ready" ? "planning…" : "waiting for the planner…"];
+      if (!answer) return ["", ""];
       const took = seconds === null || seconds === undefined ? "from file" : duration(seconds);
       const ok = answer.certificate?.ok;
       return [ok ? "good" : answer.certificate ? "bad" : "", ok ? icon("check", 14) : "",
@@ -76,7 +81,7 @@ const dot = () => element("span", { class: "dot-run" });
 
 /** @param {number} seconds */
 export const duration = (seconds) =>
-  seconds < 1 ? `${Math.round(seconds * 1000)} ms` : seconds < 100 ? `${seconds.toFixed(1)} s` : `${Math.round(seconds)} s`;
+  seconds < 1 ? `${Math.round(seconds * 1000)} ms` : `${seconds.toFixed(seconds < 100 ? 1 : 0)} s`;
 
 /** @param {number} value */
 const metres = (value) => {
@@ -85,4 +90,4 @@ const metres = (value) => {
 };
 
 /** @param {number | string | Date} time */
-const clock = (time) => new Date(time).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+const clock = (time) => CLOCK.format(new Date(time));

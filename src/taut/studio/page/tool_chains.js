@@ -1,10 +1,9 @@
 // @ts-check
 // The tools that need many places: polygons and walls, corner by corner.
 
-import { addObstacle } from "studio/edits.js";
 import { roundStep } from "studio/grid.js";
 import { REACH } from "studio/hit.js";
-import { boxOfScene, freshName } from "studio/scene.js";
+import { boxOfScene } from "studio/scene.js";
 import { lineLabel } from "studio/tool_labels.js";
 
 /**
@@ -73,11 +72,9 @@ export function finishChain(desk, event, state) {
     desk.say(`A ${kind} needs at least ${LEAST[kind]} corners: click the next one.`);
     return state;
   }
-  const { scene } = desk.store.get();
   const shape = kind === "polygon" ? { polygon: points }
     : { line: looped ? [...points, points[0]] : points, width: wallWidthOf(desk.store.get()) };
-  desk.change(`add ${freshName(scene, "obstacle")}`, (before) => addObstacle(before, shape),
-    (after) => [{ kind: "obstacle", name: after.obstacles.at(-1).name }]);
+  desk.addObstacle(shape);
   return desk.idle();
 }
 
@@ -110,7 +107,7 @@ export function chainKey(desk, event, state) {
  */
 export function wallWidthOf({ wallWidth, scene }) {
   if (wallWidth > 0) return wallWidth;
-  const last = scene.obstacles.findLast((/** @type {any} */ obstacle) => obstacle.line);
+  const last = scene.obstacles.filter((/** @type {any} */ obstacle) => obstacle.line).at(-1);
   if (last) return last.width;
   const [xmin, ymin, xmax, ymax] = boxOfScene(scene);
   return roundStep(Math.max(xmax - xmin, ymax - ymin, 1e-9) / 80);

@@ -1,9 +1,9 @@
 // @ts-check
 // What tools work on: the scene and its history, places that snap, what is drawn meanwhile, and words for the user.
 
-import { EditError } from "studio/edits.js";
+import { EditError, addObstacle, addRobot } from "studio/edits.js";
 import { gridSteps } from "studio/grid.js";
-import { sameRef } from "studio/scene.js";
+import { freshName, sameRef } from "studio/scene.js";
 import { resolution, rounded, snapped, snappedMove } from "studio/snapping.js";
 
 /**
@@ -86,6 +86,22 @@ export function createDesk({ canvas, board, store, history, camera }) {
       }
     },
 
+    /** @param {Record<string, any>} shape an obstacle without its name */
+    addObstacle(shape) {
+      this.change(`add ${freshName(store.get().scene, "obstacle")}`, (scene) => addObstacle(scene, shape),
+        (scene) => [{ kind: "obstacle", name: scene.obstacles.at(-1).name }]);
+    },
+
+    /**
+     * @param {[number, number]} start
+     * @param {[number, number]} goal
+     */
+    addRobot(start, goal) {
+      const { scene: now, robotRadius: radius } = store.get();
+      this.change(`add ${freshName(now, "robot")}`, (scene) => addRobot(scene, { start, goal, radius }),
+        (scene) => [{ kind: "robot", name: scene.robots.at(-1).name }]);
+    },
+
     /** @param {readonly Ref[]} refs */
     select(refs) {
       const { selection } = store.get();
@@ -142,8 +158,10 @@ export function createDesk({ canvas, board, store, history, camera }) {
     editFields() {
       store.set({ tab: "properties" });
       requestAnimationFrame(() => {
-        const field = document.querySelector("#panel [data-field] input");
-        if (field instanceof HTMLInputElement) (field.focus(), field.select());
+        const fields = /** @type {HTMLInputElement[]} */ ([...document.querySelectorAll("#panel [data-field] input")]);
+        const field = fields.find((each) => each.offsetParent !== null); // those of other tabs are hidden
+        field?.focus();
+        field?.select();
       });
     },
   };

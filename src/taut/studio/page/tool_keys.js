@@ -2,15 +2,19 @@
 // The keyboard on the board: Tab walks through the objects, arrows move them, Enter goes to their numbers.
 
 import { EditError, moved } from "studio/edits.js";
-import { gridSteps } from "studio/grid.js";
-import { boxOfRefs, called } from "studio/scene.js";
+import { gridSteps, roundStep } from "studio/grid.js";
 import { covers } from "studio/hit.js";
+import { boxOfRefs, called } from "studio/scene.js";
+import { wallWidthOf } from "studio/tool_chains.js";
 
 /**
  * @typedef {import("studio/tools.js").Desk} Desk
  * @typedef {import("studio/tools.js").BoardEvent} BoardEvent
  * @typedef {import("studio/scene.js").Ref} Ref
  */
+
+/** Pixels of what Enter makes, at most. */
+const MADE_SIZE = 60;
 
 const ARROWS = /** @type {Record<string, [number, number]>} */ ({
   ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
@@ -95,16 +99,38 @@ export function escapeDrag(desk, event) {
 }
 
 /**
- * Escape in a tool that has nothing begun goes back to selecting.
+ * In a tool that has nothing begun Escape goes back to selecting, and Enter puts one of its things in the middle of the
+ * board, to be moved by arrows and set by numbers: so drawing needs no pointer.
  * @param {Desk} desk
  * @param {BoardEvent} event
+ * @param {any} state
  */
-export function escapeTool(desk, event) {
-  if (event.key !== "Escape") return;
+export function toolKey(desk, event, { name }) {
+  const make = MADE[name];
+  if (event.key !== "Escape" && !(event.key === "Enter" && make)) return;
   event.use();
   desk.sketch(null);
+  if (event.key === "Enter") {
+    const { camera } = desk.window();
+    const size = roundStep(MADE_SIZE / camera.scale);
+    const round = (/** @type {number} */ metres) => desk.round([Math.round(metres / size) * size, 0])[0];
+    make(desk, round(camera.x), round(camera.y), size);
+  }
   desk.store.set({ tool: "select" });
 }
+
+/** What Enter makes, of a size in metres about a place. */
+const MADE = /** @type {Record<string, (desk: Desk, x: number, y: number, size: number) => void>} */ ({
+  polygon: (desk, x, y, size) =>
+    desk.addObstacle({ polygon: [desk.round([x - size, y - size]), desk.round([x + size, y - size]), [x, y]] }),
+  rectangle: (desk, x, y, size) =>
+    desk.addObstacle({ rectangle: [...desk.round([x - size, y - size]), ...desk.round([2 * size, size])] }),
+  circle: (desk, x, y, size) => desk.addObstacle({ circle: [x, y], radius: size }),
+  wall: (desk, x, y, size) => desk.addObstacle({
+    line: [desk.round([x - size, y]), desk.round([x + size, y])], width: wallWidthOf(desk.store.get()),
+  }),
+  robot: (desk, x, y, size) => desk.addRobot(desk.round([x - size, y]), desk.round([x + size, y])),
+});
 
 /**
  * Select the object after the one selected, with Shift the one before; past the ends Tab leaves the board.

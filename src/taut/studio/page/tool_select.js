@@ -1,10 +1,11 @@
 // @ts-check
 // The select tool: clicks, boxes, and dragging of things, of their corners, sides and sizes, and turning them.
 
+import { toScreen } from "studio/camera.js";
 import { EditError, duplicated, moved, pivotOf, rotated } from "studio/edits.js";
 import { becomesPolygon, edgeMoved, insertVertex, resized, setVertex } from "studio/edits_outline.js";
 import { REACH, covers, gripAt, hitAt, wholeThings } from "studio/hit.js";
-import { called, sameRef } from "studio/scene.js";
+import { called, centreOf, sameRef } from "studio/scene.js";
 import { edgeAt, refsInBox } from "studio/scene_hits.js";
 import { cornerLabels, moveLabel, sizeLabel, turnLabel } from "studio/tool_labels.js";
 
@@ -29,7 +30,7 @@ export function hover(desk, event) {
   const reach = REACH[event.device];
   const grip = gripAt(desk.window(), scene, selection, event.pixel, reach);
   const hit = grip ? null : hitAt(desk.window(), scene, selection, event.pixel, reach);
-  desk.point(hit, grip ? (grip.kind === "turn" ? "grab" : "crosshair") : hit ? "pointer" : "default");
+  desk.point(hit, grip ? gripCursor(desk, grip) : !hit ? "default" : covers(selection, hit) ? "move" : "pointer");
 }
 
 /**
@@ -116,14 +117,14 @@ export function beginMove(desk, event, { from, hit }) {
   if (!covers(selection, hit)) desk.select(from.shift ? [...wholeThings(selection), hit] : [hit]);
   const refs = wholeThings(desk.store.get().selection);
   if (hit.kind === "workspace") {
-    const reach = REACH[from.device] / desk.camera.get().scale;
+    const reach = REACH[event.device] / desk.camera.get().scale;
     const side = edgeAt(scene, hit, from.point, reach);
     if (side) {
       desk.history.begin("move a side of the workspace");
       return drag(desk, event, { name: "select.drag", from, refs: [hit], way: "side", edge: side.edge });
     }
   }
-  if (from.alt && refs.every(({ kind }) => kind !== "workspace")) {
+  if (event.alt && refs.every(({ kind }) => kind !== "workspace")) {
     const copies = duplicated(scene, refs, 0, 0);
     desk.history.begin(`duplicate ${called(scene, refs)}`);
     desk.history.preview(copies.scene);
@@ -263,6 +264,18 @@ export function doubleClick(desk, event) {
   const label = `add a corner to ${called(scene, [hit])}${becomesPolygon(scene, hit) ? " (now a polygon)" : ""}`;
   const corner = { ...hit, vertex: side.edge + 1 };
   desk.change(label, (before) => insertVertex(before, hit, side.edge, desk.round(side.point)), () => [corner]);
+}
+
+/**
+ * The cursor that tells how a grip moves: a size along the line from the middle of its thing.
+ * @param {Desk} desk
+ * @param {import("studio/hit.js").Grip} grip
+ */
+function gripCursor(desk, { kind, ref, pixel }) {
+  if (kind !== "size") return kind === "turn" ? "grab" : "move";
+  const [x, y] = toScreen(desk.window(), centreOf(desk.store.get().scene, [ref]) ?? [0, 0]);
+  const eighth = Math.round(Math.atan2(y - pixel[1], pixel[0] - x) / (Math.PI / 4));
+  return ["ew-resize", "nesw-resize", "ns-resize", "nwse-resize"][((eighth % 4) + 4) % 4];
 }
 
 /**

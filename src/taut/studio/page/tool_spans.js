@@ -1,8 +1,6 @@
 // @ts-check
 // The tools that need two places: rectangle, circle, robot, measure. Drag from one to the other, or click each.
 
-import { addObstacle, addRobot } from "studio/edits.js";
-import { freshName } from "studio/scene.js";
 import { boxLabel, distance, lineLabel, radiusLabel } from "studio/tool_labels.js";
 import { SLACK, dragged } from "studio/tool_select.js";
 
@@ -19,7 +17,8 @@ const LEAST = 3;
  * What each kind shows and adds. `about`: whether Shift keeps angles about the first place; `large`: whether there is
  * enough of it, in metres a pixel.
  * @typedef {{about: boolean, label: (a: Place, b: Place) => any,
- *   large: (a: Place, b: Place, pixel: number) => boolean, add: ((desk: Desk, a: Place, b: Place) => void) | null}} Kind
+ *   large: (a: Place, b: Place, pixel: number) => boolean,
+ *   add: ((desk: Desk, a: Place, b: Place) => void) | null}} Kind
  */
 
 /** @type {Record<"rectangle" | "circle" | "robot" | "measure", Kind>} */
@@ -29,7 +28,7 @@ const KINDS = {
     label: boxLabel,
     large: (a, b, pixel) =>
       Math.min(Math.abs(b[0] - a[0]), Math.abs(b[1] - a[1])) > LEAST * pixel,
-    add: (desk, a, b) => addShape(desk, {
+    add: (desk, a, b) => desk.addObstacle({
       rectangle: [Math.min(a[0], b[0]), Math.min(a[1], b[1]),
         desk.round([Math.abs(b[0] - a[0]), 0])[0], desk.round([Math.abs(b[1] - a[1]), 0])[0]],
     }),
@@ -39,18 +38,13 @@ const KINDS = {
     label: (a, b) => radiusLabel(a, distance(a, b)),
     large: (a, b, pixel) => distance(a, b) > LEAST * pixel,
     add: (desk, a, b) =>
-      addShape(desk, { circle: a, radius: desk.round([distance(a, b), 0])[0] }),
+      desk.addObstacle({ circle: a, radius: desk.round([distance(a, b), 0])[0] }),
   },
   robot: {
     about: true,
     label: lineLabel,
     large: (a, b, pixel) => distance(a, b) > SLACK * pixel,
-    add: (desk, start, goal) => {
-      const { scene, robotRadius } = desk.store.get();
-      const given = robotRadius === undefined ? {} : { radius: robotRadius };
-      desk.change(`add ${freshName(scene, "robot")}`, (before) => addRobot(before, { start, goal, ...given }),
-        (after) => [{ kind: "robot", name: after.robots.at(-1).name }]);
-    },
+    add: (desk, start, goal) => desk.addRobot(start, goal),
   },
   measure: {
     about: true,
@@ -101,15 +95,6 @@ export function endSpan(desk, event, state) {
   }
   if (kind.add) kind.add(desk, first, second);
   return desk.idle(kind.add ? null : desk.store.get().sketch);
-}
-
-/**
- * @param {Desk} desk
- * @param {Record<string, any>} shape
- */
-function addShape(desk, shape) {
-  desk.change(`add ${freshName(desk.store.get().scene, "obstacle")}`, (before) => addObstacle(before, shape),
-    (after) => [{ kind: "obstacle", name: after.obstacles.at(-1).name }]);
 }
 
 /**

@@ -4,7 +4,7 @@
 import { toWorld } from "studio/camera.js";
 import { addCorner, aimChain, beginChain, chainKey, finishChain } from "studio/tool_chains.js";
 import { createDesk } from "studio/tool_desk.js";
-import { endNudge, escapeDrag, escapeTool, nudge, selectKey } from "studio/tool_keys.js";
+import { endNudge, escapeDrag, toolKey, nudge, selectKey } from "studio/tool_keys.js";
 import { createMachine } from "studio/tool_machine.js";
 import { createNavigation } from "studio/tool_navigation.js";
 import {
@@ -70,39 +70,39 @@ export const TABLE = Object.freeze({
   },
   "select.nudge": { key: [nudge], keyup: [endNudge, "select"], settle: [endNudge, "select"] },
 
-  "polygon": { move: [aim], up: [beginChain, "polygon.chain"], key: [escapeTool] },
+  "polygon": { move: [aim], up: [beginChain, "polygon.chain"], key: [toolKey] },
   "polygon.chain": {
     move: [aimChain],
     up: [addCorner, "polygon"],
     double: [finishChain, "polygon"],
     key: [chainKey, "polygon"],
   },
-  "wall": { move: [aim], up: [beginChain, "wall.chain"], key: [escapeTool] },
+  "wall": { move: [aim], up: [beginChain, "wall.chain"], key: [toolKey] },
   "wall.chain": { move: [aimChain], up: [addCorner, "wall"], double: [finishChain, "wall"], key: [chainKey, "wall"] },
 
-  "rectangle": { move: [aim], down: [beginSpan, "rectangle.span"], key: [escapeTool] },
+  "rectangle": { move: [aim], down: [beginSpan, "rectangle.span"], key: [toolKey] },
   "rectangle.span": spanOf("rectangle"),
-  "circle": { move: [aim], down: [beginSpan, "circle.span"], key: [escapeTool] },
+  "circle": { move: [aim], down: [beginSpan, "circle.span"], key: [toolKey] },
   "circle.span": spanOf("circle"),
-  "robot": { move: [aim], down: [beginSpan, "robot.span"], key: [escapeTool] },
+  "robot": { move: [aim], down: [beginSpan, "robot.span"], key: [toolKey] },
   "robot.span": spanOf("robot"),
-  "measure": { down: [beginSpan, "measure.span"], key: [escapeTool] },
+  "measure": { down: [beginSpan, "measure.span"], key: [toolKey] },
   "measure.span": spanOf("measure"),
 
-  "pan": { key: [escapeTool] },
+  "pan": { key: [toolKey] },
 });
 
 /** What a state asks of the user. */
 const HINTS = /** @type {Record<string, string>} */ ({
-  "polygon": "Click the corners of a polygon",
+  "polygon": "Click the corners of a polygon · Enter puts one in the middle",
   "polygon.chain": "Click the next corner · Enter or the first corner closes · Backspace takes one back",
-  "wall": "Click the corners of a wall",
+  "wall": "Click the corners of a wall · Enter puts one in the middle",
   "wall.chain": "Click the next corner · Enter or a double click ends · Backspace takes one back",
-  "rectangle": "Drag a rectangle, or click two corners",
+  "rectangle": "Drag a rectangle, or click two corners · Enter puts one in the middle",
   "rectangle.span": "Shift makes a square",
-  "circle": "Drag a circle from its centre",
+  "circle": "Drag a circle from its centre · Enter puts one in the middle",
   "circle.span": "Click or let go at the rim",
-  "robot": "Click the start of a robot, or drag from start to goal",
+  "robot": "Click the start of a robot, or drag from start to goal · Enter puts one in the middle",
   "robot.span": "Click the goal, or let go there",
   "measure": "Drag along what to measure",
   "measure.span": "Shift keeps steps of 15°",

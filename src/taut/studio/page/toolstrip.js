@@ -15,8 +15,8 @@ const SNAPS = [["grid", "Grid"], ["vertex", "Corners"], ["edge", "Edges"], ["ang
 export function createToolstrip({ store, commands }, tools) {
   const buttons = tools.map(({ name, title, key }) => {
     const words = key ? `${title} (${key.toUpperCase()})` : title;
-    return element("button", { type: "button", class: "button tool", "data-tool": name, title: words, "aria-label": words,
-      onclick: () => commands.tool(name) }, icon(name, 20));
+    return element("button", { type: "button", class: "button tool", "data-tool": name, title: words,
+      "aria-label": words, onclick: () => commands.tool(name) }, icon(name, 20));
   });
   const show = () => {
     const { tool, mode } = store.get();

@@ -35,18 +35,17 @@ export function createTopbar({ store, commands, files }) {
   const modes = MODES.map((mode) => element("button", { type: "button", "data-mode": mode.name, title: mode.title,
     onclick: () => commands.mode(mode.name) }, mode.label));
 
-  store.on(["file", "history", "scene", "mode", "theme", "themeChoice", "selection"], show);
+  store.on(["file", "history", "mode", "theme", "themeChoice"], show);
   show();
 
   function show() {
-    const { file, history, mode, theme: shown, themeChoice, scene } = store.get();
-    name.textContent = file?.name || scene?.name || "Untitled";
+    const { file, history, mode, theme: shown, themeChoice } = store.get();
+    name.textContent = file?.name || "Untitled";
     name.title = file?.path ?? "Not on disk yet";
     dot.hidden = !file?.dirty;
     document.title = `${file?.dirty ? "• " : ""}${name.textContent} – taut studio`;
-    state(undo, Boolean(history?.undo), history?.undo ? `Undo: ${history.undo} (${keyText("mod+z")})` : "Nothing to undo");
-    state(redo, Boolean(history?.redo), history?.redo ? `Redo: ${history.redo} (${keyText("mod+shift+z")})`
-      : "Nothing to redo");
+    step(undo, "undo", history.undo, "mod+z");
+    step(redo, "redo", history.redo, "mod+shift+z");
     for (const each of modes) each.setAttribute("aria-pressed", String(each.dataset.mode === mode));
     theme.replaceChildren(icon(themeChoice === "system" ? "system" : shown));
     state(theme, true, `Theme: ${THEME_WORDS[themeChoice]}`);
@@ -60,7 +59,8 @@ export function createTopbar({ store, commands, files }) {
     element("span", { class: "divider" }), undo, redo,
     element("span", { class: "divider" }),
     element("span", { class: "file-name" }, name, dot));
-  const middle = element("div", {}, element("div", { class: "segmented", role: "group", "aria-label": "Mode" }, ...modes));
+  const middle = element("div", {},
+    element("div", { class: "segmented", role: "group", "aria-label": "Mode" }, ...modes));
   const end = element("div", { class: "top-end" },
     menuButton({ id: "view-menu", label: "View", content: [icon("eye", 16), "View", icon("down", 14)].map(asNode),
       items: () => viewItems(store, commands) }),
@@ -75,6 +75,12 @@ const asNode = (part) => (typeof part === "string" ? document.createTextNode(par
 function button(id, label, run, picture) {
   return element("button", { id, type: "button", class: "button ghost square", title: label, "aria-label": label,
     onclick: () => run() }, icon(picture));
+}
+
+/** @param {HTMLElement} node @param {string} verb @param {string | null} label @param {string} keys */
+function step(node, verb, label, keys) {
+  const capital = verb[0].toUpperCase() + verb.slice(1);
+  state(node, Boolean(label), label ? `${capital}: ${label} (${keyText(keys)})` : `Nothing to ${verb}`);
 }
 
 /** @param {HTMLElement} node @param {boolean} on @param {string} label */
