@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -58,8 +60,11 @@ def test_who_does_not_arrive_is_named_and_the_scene_written_to_plan_on_from(taut
     assert f"{first}" in said.out
     assert "died at 1 s" in said.out
     assert "did not arrive" in said.err
-    assert load_scene("after.yaml").robot(first).start == load_scene("after.yaml").robot(first).goal
-    assert taut("plan", "after.yaml").code in (0, 1)
+    assert f"note: dead, so an obstacle in after.yaml: {first}" in said.out
+    after = load_scene("after.yaml")
+    assert [obstacle.name for obstacle in after.obstacles] == [first]
+    assert [robot.name for robot in after.robots] == ["B" if first == "A" else "A"]
+    assert taut("plan", "after.yaml").code == 0
 
 
 def test_without_coordination_late_robots_collide_and_the_exit_code_says_so(taut: Command) -> None:
@@ -85,7 +90,7 @@ def test_a_study_is_written_and_its_margin_leaves_room_in_a_plan(taut: Command) 
     assert planned.code == 0, planned.err
     assert "note: clearance is" in planned.out
     metres = study["margin"]["metres"]
-    assert load_plan("roomy.json").scene.gap == pytest.approx(0.1 + 2 * metres)
+    assert load_plan("roomy.json").scene.gap == pytest.approx((0.1 + 2 * metres) / 0.95)
     assert load_plan("roomy.json").scene.clearance == pytest.approx(metres)
 
 
@@ -99,6 +104,9 @@ def test_a_study_is_written_and_its_margin_leaves_room_in_a_plan(taut: Command) 
         (["--speed-error", "2"], "speed error"),
         (["--stops", "-1"], "stops"),
         (["--step", "0"], "step"),
+        (["--step", "1e-310"], "step"),
+        (["--step", "100"], "step"),
+        (["--stops", "1e300", "--stop-seconds", "1e-300"], "stops"),
         (["-o", "study.json"], "--seeds"),
         (["--seeds", "3", "--lidar"], "single run"),
         (["--seeds", "3", "--probability", "1"], "probability"),
@@ -123,3 +131,58 @@ def test_plans_that_do_not_hold_or_are_none_are_refused(taut: Command) -> None:
 def test_margins_of_files_that_are_no_studies_are_refused(taut: Command) -> None:
     assert refused(taut("plan", "scene.yaml", "--margin", "plan.json"), "is no study")
     assert refused(taut("plan", "scene.yaml", "--margin", f"nowhere{os.sep}study.json"), "cannot be read")
+
+
+def test_a_study_of_collisions_says_so_and_is_no_failure(taut: Command) -> None:
+    said = taut("simulate", "plan.json", "--slow", f"{first_of('plan.json')}@0.5", "--no-coordination", "--seeds", "3")
+    assert said.code == 0, said.err
+    assert "note: collisions in 3 of 3 runs" in said.out
+    assert "kept apart by no margin" in said.out
+
+
+def test_the_margin_of_runs_that_never_ended_is_refused(taut: Command) -> None:
+    words = ("simulate", "plan.json", "--dies", f"{first_of('plan.json')}@1", "--seeds", "3", "-o", "study.json")
+    said = taut(*words)
+    assert said.code == 0
+    assert "note: in 3 of 3 runs not all robots arrived" in said.out
+    assert refused(taut("plan", "scene.yaml", "--margin", "study.json"), "not all robots arrived")
+    taut("simulate", "plan.json", "--no-coordination", "--seeds", "3", "-o", "alone.json")
+    assert refused(taut("plan", "scene.yaml", "--margin", "alone.json"), "without coordination")
+
+
+def test_the_margin_of_another_scene_is_taken_with_a_warning(taut: Command) -> None:
+    taut("simulate", "plan.json", "--seeds", "3", "-o", "study.json")
+    Path("other.yaml").write_text(
+        Path("scene.yaml").read_text().replace("crossing", "elsewhere").replace("name: B", "name: C")
+    )
+    said = taut("plan", "other.yaml", "--margin", "study.json")
+    assert said.code == 0, said.err
+    assert "note: the study study.json is of the scene 'crossing', not of 'elsewhere'" in said.out
+    assert "note: the study study.json was made with other robots" in said.out
+    assert "was made with" not in taut("plan", "scene.yaml", "--margin", "study.json").out
+
+
+def test_an_interrupted_study_writes_what_it_has(taut: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    from taut.simulation import studies
+
+    whole = studies.study
+
+    def interrupted(*given: Any, tell: Callable[[int], None], **more: Any) -> Any:
+        def stop(done: int) -> None:
+            tell(done)
+            if done == 4:
+                raise KeyboardInterrupt
+
+        return whole(*given, **{**more, "tell": stop})
+
+    monkeypatch.setattr("taut.simulation.study", interrupted)
+    said = taut("simulate", "plan.json", "--seeds", "1000", "-o", "study.json")
+    assert said.code == 130
+    made = json.loads(Path("study.json").read_text())["count"]
+    assert 3 <= made <= 8
+    assert f"interrupted: {made} of 1000 runs were made" in said.err
+
+
+def first_of(plan: str) -> str:
+    """Name of the robot that arrives first."""
+    return min(load_plan(plan).trajectories, key=lambda path: path.arrival).name

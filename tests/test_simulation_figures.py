@@ -54,6 +54,7 @@ def run_of(n: int = 3, rows: int = 101, at_goal: Any = "stay", **fields: Any) ->
         arrivals=np.full(n, 8.4),
         greatest_stray=np.abs(beside).max(axis=0),
         mean_stray=np.zeros(n),
+        strayed_at=times[np.abs(beside).argmax(axis=0)],
         clearances=(NOTHING,) * n,
         separations=(NOTHING,) * n,
         collisions=(),
@@ -167,7 +168,7 @@ def test_who_has_arrived_is_not_late_any_more() -> None:
 
 def test_long_courses_are_thinned_and_keep_their_worst() -> None:
     run = run_of(rows=5 * COLUMNS)
-    run.strays[2 * COLUMNS + 3, 1] = 1.0
+    run.strays[2 * COLUMNS + 3, 1] = run.greatest_stray[1] = 1.0
     strays, _ = strips_of(draw_run(run))
     (lines,) = lines_of(strays, 3)
     courses = [np.asarray(course) for course in lines.get_segments()]

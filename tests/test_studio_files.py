@@ -156,7 +156,11 @@ def test_an_opened_plan_is_shown_as_it_is_in_its_file(page: Page) -> None:
 def test_what_cannot_be_opened_is_told_with_its_line_and_changes_nothing(page: Page) -> None:
     before = page.evaluate(SHOWN)
     choose(page, "bad.yaml", YARD.replace("radius: 0.25", "radius: wide"))
-    assert "line 8" in told(page, "bad.yaml cannot be opened")
+    assert told(page, "bad.yaml cannot be opened").startswith("bad.yaml cannot be opened: line 8: ")
+    page.evaluate("void studio.files.openFile(new File(['#'.repeat(17e6)], 'big.yaml'))")
+    told(page, "big.yaml is too large: it takes 17 MB, the studio opens up to 16 MB.")
+    page.evaluate("void studio.files.openFile(new File(['\"'.repeat(9e6)], 'quoted.json'))")
+    told(page, "quoted.json is too large: it takes 19 MB, the studio opens up to 16 MB.")
     choose(page, "bad.png", b"no picture", "image/png")
     told(page, "bad.png is no picture that this browser can show.")
     assert page.evaluate(SHOWN) == before
@@ -269,9 +273,8 @@ def test_what_is_in_no_named_file_is_saved_as_a_download(page: Page) -> None:
 
 def test_a_random_scene_says_its_seed_and_the_next_one_is_one_press_away(page: Page) -> None:
     page.evaluate("void window.studio.files.random()")
-    page.get_by_label("Robots").fill("3")
-    page.get_by_label("Obstacles").fill("4")
-    page.get_by_label("Seed").fill("41")
+    for label, value in (("Robots", 3), ("Obstacles", 4), ("Seed", 41)):
+        page.get_by_role("dialog").get_by_label(label).fill(str(value))
     press(page, "Make scene")
     told(page, "Random scene of seed 41: 3 robots, 4 obstacles")
     first = json.loads(page.evaluate(SHOWN))
@@ -308,7 +311,7 @@ def test_an_edit_is_kept_within_a_second_and_a_reload_brings_it_back(page: Page)
     assert page.evaluate(DIRTY)
     assert page.evaluate("window.studio.store.get().settings") == {"method": "mrppa"}
     page.reload()
-    wait_until_ready(page)
+    told(page, "Your unsaved work from")
     assert page.evaluate(SHOWN) == shown, "also a second time"
 
 

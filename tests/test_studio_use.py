@@ -217,7 +217,7 @@ def test_a_server_killed_in_the_middle_of_a_drag_costs_nothing(browser: Browser,
         page.mouse.up()
         wait_for(page, f"{STATE}.server.state === 'gone'")
         assert steps_back(page) == 2
-        assert page.get_by_text("your work is kept", exact=False).first.is_visible()
+        page.locator("#banner").get_by_text("Server gone: your work is kept in this browser").wait_for()
         page.keyboard.press("Control+z")  # editing goes on without the server
         page.keyboard.press("Control+Shift+z")
         dragged = page.evaluate(SHOWN)

@@ -120,10 +120,9 @@ def plan(
 
     began = time.perf_counter()
     world = load_scene(scene)
-    room = []
+    room: list[str] = []
     if margin is not None:
-        world, said = _with_room(world, margin)
-        room.append(said)
+        world, room = _with_room(world, margin)
     ground = roadmap if roadmap in list(RoadmapName) else load_roadmap(roadmap)
     with about(scene), progress(f"planning {len(world.robots)} robots") as tell:
         result = plan_team(
@@ -167,16 +166,18 @@ def plan(
         complain("the plan does not hold, see the problems above; nothing was written")
 
 
-def _with_room(world: Scene, study: Path) -> tuple[Scene, str]:
-    """Grow clearance and gap by the margin of a study; say by how much."""
-    from taut.simulation import load_margin, with_margin
+def _with_room(world: Scene, study: Path) -> tuple[Scene, list[str]]:
+    """Grow clearance and gap by the margin of a study; say by how much, and if the study was of something else."""
+    from taut.simulation import load_margin, study_doubts, with_margin
 
     found = load_margin(study)
+    roomy = with_margin(world, found.metres)
+    wider = roomy.gap - world.gap
     said = (
-        f"clearance is {found.metres:.4g} m and the gap {2 * found.metres:.4g} m more than the scene asks, so that "
+        f"clearance is {found.metres:.4g} m and the gap {wider:.4g} m more than the scene asks, so that "
         f"vehicles are safe in a run with probability {found.probability:.4g} ({study}, {found.runs} runs)"
     )
-    return with_margin(world, found.metres), said
+    return roomy, [said, *study_doubts(study, world)]
 
 
 def _names(values: Sequence[str], known: Sequence[str]) -> list[str]:

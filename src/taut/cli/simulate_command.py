@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from taut.cli.options import AnimateOption, FigureOption, JsonOption, named_numbers
-from taut.cli.output import about, complain, progress, require_writable, say, say_facts, say_json
+from taut.cli import INTERRUPTED
+from taut.cli.options import AnimateOption, FigureOption, named_numbers
+from taut.cli.output import about, complain, progress, require_writable, say, say_error, say_facts, say_json
 from taut.cli.pictures import require_pictures
 from taut.cli.tables import say_table
 
@@ -76,7 +77,9 @@ def simulate(
     ] = None,
     figure: FigureOption = None,
     animate: AnimateOption = None,
-    as_json: JsonOption = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object; with --seeds a line a run and the summary.")
+    ] = False,
 ) -> None:
     """Let vehicles follow a plan in a closed loop: errors, collisions, delays; or many times: the margin they need."""
     never = Path(plan)
@@ -146,6 +149,8 @@ def _once(
         say_json(report)
     else:
         _say_run(run, report, each or len(run.names) <= FEW_ROBOTS)
+        if after is not None and report["dead"]:
+            say(f"note: dead, so an obstacle in {after}: {', '.join(report['dead'])}")
         for name in report["files"]:
             say(f"wrote {name}")
     hits, missing = len(run.collisions), len(report["stopped"])
@@ -245,19 +250,23 @@ def _study(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    from taut.simulation import save_study, study, study_summary
+    from taut.simulation import StudyInterrupted, save_study, study, study_summary
 
+    interrupted = False
     with about(source), progress("simulating") as tell:
-        found = study(
-            plan,
-            range(first, first + count),
-            str(vehicle),
-            met,
-            coordination,
-            step,
-            probability,
-            tell=lambda done: tell(f"{done} of {count} runs"),
-        )
+        try:
+            found = study(
+                plan,
+                range(first, first + count),
+                str(vehicle),
+                met,
+                coordination,
+                step,
+                probability,
+                tell=lambda done: tell(f"{done} of {count} runs"),
+            )
+        except StudyInterrupted as stopped:
+            found, interrupted = stopped.study, True
     if output is not None:
         save_study(found, output)
     if as_json:
@@ -268,6 +277,9 @@ def _study(
         _say_study(found, probability)
         if output is not None:
             say(f"wrote {output}")
+    if interrupted:
+        say_error(f"interrupted: {len(found.trials)} of {count} runs were made")
+        raise typer.Exit(INTERRUPTED)
 
 
 def _say_study(found: Study, probability: float) -> None:
@@ -290,6 +302,15 @@ def _say_study(found: Study, probability: float) -> None:
             ),
         ]
     )
+    if found.complete < count:
+        say(
+            f"note: in {count - found.complete} of {count} runs not all robots arrived; the margin leaves out what "
+            "they did not drive, and taut plan does not take it"
+        )
+    if found.collided:
+        say(f"note: collisions in {found.collided} of {count} runs; the margin says how much room they need")
+    if not found.coordinated:
+        say("note: robots that do not wait for each other are kept apart by no margin; taut plan does not take it")
     if margin.probability < probability:
         needed = runs_needed(probability, margin.confidence)
         say(f"note: {count} runs are too few for {probability:g}; it takes {needed:,}")

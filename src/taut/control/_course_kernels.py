@@ -97,7 +97,7 @@ def _limit_speeds(i: int, begin: int, end: int, kind: int, params: Floats, tunin
             slow = course[k, LIMIT] < _CREEPING * min(course[k - 1, SPEED], course[k, SPEED])
             if slow and kind != ACKERMANN:
                 course[k, LIMIT] = 0.0
-    reach = params[i, 0] * _turning_seconds(i, kind, params, tuning, math.pi)
+    reach = params[i, 0] * turning_seconds(i, kind, params, tuning, math.pi)
     for a in range(begin + 1, end - 1):
         if course[a, LIMIT] > 0.0 and abs(_bend_at(course, a)) > _STRAIGHT:
             _limit_window(i, a, end, kind, params, tuning, reach, course)
@@ -143,7 +143,7 @@ def _bend_speed(i: int, kind: int, params: Floats, tuning: Floats, bend: float, 
     if kind == ACKERMANN:
         radius = turning_radius(i, params)
         return math.inf if bend < _SLIGHT or metres > radius * bend else slow_speed(i, params)
-    corner = 2.0 * cutting / (bend * _turning_seconds(i, kind, params, tuning, bend))
+    corner = 2.0 * cutting / (bend * turning_seconds(i, kind, params, tuning, bend))
     if metres == 0.0:
         return float(corner)
     # an arc of radius R is left by v² / (4 g² R), as the heading lags by v / (4 g R), and where it begins by about
@@ -155,7 +155,7 @@ def _bend_speed(i: int, kind: int, params: Floats, tuning: Floats, bend: float, 
 
 
 @lean_kernel
-def _turning_seconds(i: int, kind: int, params: Floats, tuning: Floats, bend: float) -> float:
+def turning_seconds(i: int, kind: int, params: Floats, tuning: Floats, bend: float) -> float:
     """Seconds that a turn by so many radians takes, the delay of the control included."""
     if kind == INTEGRATOR:
         return float(bend * params[i, 0] / params[i, 2])

@@ -153,6 +153,20 @@ def _learn(
 
 
 @lean_kernel
+def stands_level(
+    i: int, kinds: Ints, params: Floats, tuning: Floats, state: Floats, course: Floats, first: Ints, leg: Ints,
+    pace: Floats, progress: Floats,
+) -> bool:  # fmt: skip
+    """Tell whether a truck has stopped beside its reference or beyond, and will not come nearer while that rests."""
+    if kinds[i] != ACKERMANN or pace[i] != 0.0 or state[i, 3] != 0.0:
+        return False
+    x, y = _reference(course, first[i + 1], leg[i], progress[i])
+    level, distance = _truck_to(i, state, x - state[i, 0], y - state[i, 1])
+    front, _ = _truck_aims(i, params, state, course, first[i + 1], leg[i], progress[i], level)
+    return _has_passed(i, params, tuning, level, distance, front)
+
+
+@lean_kernel
 def slowed(lag: float, slack: float, leash: float) -> float:
     """Share of its speed that the reference keeps at a lag in metres: 1 up to ``slack``, 0 from ``leash`` on."""
     if lag <= slack:
@@ -278,12 +292,9 @@ def _command_truck(
 ) -> None:  # fmt: skip
     """Forward on the arc to a place ahead on the course; it stops level with where the reference stands."""
     radius = turning_radius(i, params)
-    c, s = math.cos(state[i, 2]), math.sin(state[i, 2])
-    level = c * ahead_x + s * ahead_y
-    to_x, to_y = _place_ahead(course, end, k, sigma, 1.2 * radius + max(-level, 0.0))
-    to_x, to_y = to_x - state[i, 0], to_y - state[i, 1]
-    front, left = c * to_x + s * to_y, c * to_y - s * to_x
-    if speed == 0.0 and level <= tuning[i, TOLERANCE] and math.hypot(ahead_x, ahead_y) <= 2.0 * radius:
+    level, distance = _truck_to(i, state, ahead_x, ahead_y)
+    front, left = _truck_aims(i, params, state, course, end, k, sigma, level)
+    if speed == 0.0 and _has_passed(i, params, tuning, level, distance, front):
         out[i, 0] = out[i, 1] = 0.0
         return
     forward = speed + math.copysign(_approach(abs(level), tuning[i, GAIN], (1.0 - SHARE) * params[i, 2]), level)
@@ -298,6 +309,29 @@ def _command_truck(
         forward = min(forward, (1.0 - sharpness) * params[i, 0] + sharpness * slow)
     forward = max(more * forward, 0.0)
     out[i, 0], out[i, 1] = forward, bend * forward
+
+
+@lean_kernel
+def _truck_to(i: int, state: Floats, x: float, y: float) -> tuple[float, float]:
+    """Metres that a place (x, y) from the truck lies before it, and away from it."""
+    return math.cos(state[i, 2]) * x + math.sin(state[i, 2]) * y, math.hypot(x, y)
+
+
+@lean_kernel
+def _truck_aims(
+    i: int, params: Floats, state: Floats, course: Floats, end: int, k: int, sigma: float, level: float
+) -> tuple[float, float]:
+    """Metres to the front and to the left at which the place lies that a truck drives to."""
+    x, y = _place_ahead(course, end, k, sigma, 1.2 * turning_radius(i, params) + max(-level, 0.0))
+    x, y = x - state[i, 0], y - state[i, 1]
+    c, s = math.cos(state[i, 2]), math.sin(state[i, 2])
+    return c * x + s * y, c * y - s * x
+
+
+@lean_kernel
+def _has_passed(i: int, params: Floats, tuning: Floats, level: float, distance: float, front: float) -> bool:
+    """Tell whether a truck has come as far as its reference: near it, or where its course leads on before it."""
+    return bool(level <= tuning[i, TOLERANCE] and (distance <= 2.0 * turning_radius(i, params) or front >= 0.0))
 
 
 @lean_kernel

@@ -177,9 +177,10 @@ def _standing_labels(run: Run, standing: FloatArray) -> list[Label]:
 def _draw_errors(axes: Axes, run: Run) -> None:
     until = run.seconds or 1.0
     strays, late = add_strips(axes, [COURSE, COURSE], until, [])
-    _draw_courses(strays, run, run.strays, "m")
+    _draw_courses(strays, run, run.strays, "m", _farthest(run))
     title_strip(strays, 0.0, "cross-track error: metres beside the planned way", "cross-track error, m")
-    _draw_courses(late, run, lateness(run), "s")
+    lost = lateness(run)
+    _draw_courses(late, run, lost, "s", _greatest(run.times, np.nan_to_num(lost)))
     title_strip(late, 0.0, "timing error: seconds behind the plan", "timing error, s")
 
 
@@ -189,12 +190,27 @@ def lateness(run: Run) -> FloatArray:
     return np.where(under_way, np.maximum(run.times[:, None] - run.progress, 0.0), np.nan)
 
 
-def _draw_courses(strip: Axes, run: Run, values: FloatArray, unit: str) -> None:
+def _farthest(run: Run) -> tuple[float, float, int] | None:
+    """When, how far and who strayed most, of all steps, also those that are not recorded."""
+    if not run.greatest_stray.max(initial=0.0) > 0:
+        return None
+    robot = int(run.greatest_stray.argmax())
+    return float(run.strayed_at[robot]), float(run.greatest_stray[robot]), robot
+
+
+def _greatest(times: FloatArray, values: FloatArray) -> tuple[float, float, int] | None:
+    """When, how much and who had the greatest value of all, if there is one above 0."""
+    if not values.max(initial=0.0) > 0:
+        return None
+    row, robot = np.unravel_index(int(values.argmax()), values.shape)
+    return float(times[row]), float(values[row, robot]), int(robot)
+
+
+def _draw_courses(strip: Axes, run: Run, values: FloatArray, unit: str, worst: tuple[float, float, int] | None) -> None:
     """Draw a course a robot, of many robots thin and with the worst of all in ink, and mark the worst."""
     n = len(run.names)
     times, courses = _thinned(run.times, values)
-    known = np.nan_to_num(values)
-    top = float(known.max(initial=0.0))
+    top = 0.0 if worst is None else worst[1]
     strip.set_ylim(0.0, 1.3 * top or 1.0)
     strip.yaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
     strip.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -204,9 +220,8 @@ def _draw_courses(strip: Axes, run: Run, values: FloatArray, unit: str) -> None:
     if n > FEW_NAMES:
         strip.plot(times, np.fmax.reduce(courses, axis=1), color=INK, linewidth=0.9, zorder=4)
     draw_collision_times(strip, run.collisions)
-    if top > 0:
-        row, robot = np.unravel_index(int(known.argmax()), known.shape)
-        _mark_worst(strip, float(run.times[row]), top, f"{run.names[robot]}: {top:.3g} {unit}")
+    if worst is not None:
+        _mark_worst(strip, worst[0], top, f"{run.names[worst[2]]}: {top:.3g} {unit}")
 
 
 def _thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

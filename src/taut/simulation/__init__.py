@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from taut.simulation.detector import THESIS_DETECTOR, Detection, Detector, detect
     from taut.simulation.disturbances import Disturbances
     from taut.simulation.margin import Margin, runs_needed, tracking_margin, with_margin
-    from taut.simulation.report import Link, contact_kept, driven_plan, run_data, scene_from, stopped
+    from taut.simulation.report import Link, contact_kept, dead, driven_plan, run_data, scene_from, stopped
     from taut.simulation.running import Collision, Nearest, Run, Scans, Wait, simulate
     from taut.simulation.sensors import (
         THESIS_FAR_LIDAR,
@@ -23,7 +23,16 @@ if TYPE_CHECKING:
         scan,
     )
     from taut.simulation.steering import Steered, fiedler_values, formation_error, steer
-    from taut.simulation.studies import Study, Trial, load_margin, save_study, study, study_summary
+    from taut.simulation.studies import (
+        Study,
+        StudyInterrupted,
+        Trial,
+        load_margin,
+        save_study,
+        study,
+        study_doubts,
+        study_summary,
+    )
     from taut.simulation.surroundings import Surroundings, surroundings_of
     from taut.simulation.vehicles import (
         KINDS,
@@ -58,12 +67,14 @@ __all__ = [
     "Scans",
     "Steered",
     "Study",
+    "StudyInterrupted",
     "Surroundings",
     "Trial",
     "Unicycle",
     "Vehicle",
     "Wait",
     "contact_kept",
+    "dead",
     "detect",
     "driven_plan",
     "fiedler_values",
@@ -79,6 +90,7 @@ __all__ = [
     "steer",
     "stopped",
     "study",
+    "study_doubts",
     "study_summary",
     "surroundings_of",
     "tracking_for",
@@ -93,7 +105,7 @@ if not TYPE_CHECKING:
         "taut.simulation.detector": ("THESIS_DETECTOR", "Detection", "Detector", "detect"),
         "taut.simulation.disturbances": ("Disturbances",),
         "taut.simulation.margin": ("Margin", "runs_needed", "tracking_margin", "with_margin"),
-        "taut.simulation.report": ("Link", "contact_kept", "driven_plan", "run_data", "scene_from", "stopped"),
+        "taut.simulation.report": ("Link", "contact_kept", "dead", "driven_plan", "run_data", "scene_from", "stopped"),
         "taut.simulation.running": ("Collision", "Nearest", "Run", "Scans", "Wait", "simulate"),
         "taut.simulation.sensors": (
             "THESIS_FAR_LIDAR",
@@ -105,7 +117,16 @@ if not TYPE_CHECKING:
             "scan",
         ),
         "taut.simulation.steering": ("Steered", "fiedler_values", "formation_error", "steer"),
-        "taut.simulation.studies": ("Study", "Trial", "load_margin", "save_study", "study", "study_summary"),
+        "taut.simulation.studies": (
+            "Study",
+            "StudyInterrupted",
+            "Trial",
+            "load_margin",
+            "save_study",
+            "study",
+            "study_doubts",
+            "study_summary",
+        ),
         "taut.simulation.surroundings": ("Surroundings", "surroundings_of"),
         "taut.simulation.vehicles": (
             "KINDS",

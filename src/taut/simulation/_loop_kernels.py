@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taut.control._coordination_kernels import Pending, Waits, bounds
-from taut.control._course_kernels import LENGTH, TO_X, TO_Y, TOLERANCE
-from taut.control._following_kernels import advance, command
-from taut.simulation._nearness_kernels import greatest, list_pairs, nearest_passing, nearest_shape
-from taut.simulation._vehicle_kernels import DIFFERENTIAL, INTEGRATOR, move
+from taut.control._course_kernels import LENGTH, TO_X, TO_Y, TOLERANCE, slow_speed, turning_radius, turning_seconds
+from taut.control._following_kernels import advance, command, stands_level
+from taut.simulation._nearness_kernels import deepest_inside, greatest, list_pairs, nearest_passing, nearest_shape
+from taut.simulation._vehicle_kernels import ACKERMANN, DIFFERENTIAL, INTEGRATOR, move
 from taut.team._lean import lean_kernel
 
 Floats = NDArray[np.float64]
@@ -30,7 +30,7 @@ STEP, PAIRS, COLLISIONS, WAITS, ROWS = range(5)  # what the counters count
 ROLLING = 0.02 * 9.81  # joules per kilogram and metre: hard wheels on a hall's floor
 SLIP_SECONDS = 0.5
 _JOINED = 1.0  # seconds after which waiting for the same robot again is another wait
-_PATIENCE = 10.0  # seconds without any progress after which there will be none
+_PATIENCE = 10.0  # seconds without any progress, and time to turn once round, after which there will be none
 _CREEP = 1e-6  # plan seconds a second: less is no progress
 
 
@@ -54,11 +54,13 @@ class Team(NamedTuple):
 
 
 class Ground(NamedTuple):
-    """Sides of the obstacles and the wall, and a grid over them, see `nearest_shape`."""
+    """Sides of the obstacles and the wall, and a grid over them, see `nearest_shape` and `deepest_inside`."""
 
     edges: Floats
     owner: Ints
     reach: Floats
+    rings: Ints
+    solid: Ints
     first: Ints
     sides: Ints
     x0: float
@@ -69,9 +71,10 @@ class Ground(NamedTuple):
 
 
 class Chance(NamedTuple):
-    """Numbers of `taut.simulation.Disturbances`, and the seed."""
+    """Numbers of `taut.simulation.Disturbances`, the seed, and how much of a way robots take their wheels to err."""
 
     seed: int
+    odometry: float
     stops: float
     stop_seconds: float
     position_noise: float
@@ -82,7 +85,8 @@ class Chance(NamedTuple):
 class Now(NamedTuple):
     """Where the robots stand; written at every step.
 
-    state, seen (n, 6): as it is, and as the robot believes. progress, reference (n,). leg, behind (n,): stamps at which
+    state, seen (n, 6): as it is, and as the robot believes. unsure (n, 2): variances of the believed place, each axis,
+    and heading. progress, reference (n,). leg, behind (n,): stamps at which
     the legs of the reference and of the progress begin. bound, held_by (n,): how far the reference may go, and because
     of whom. halts (n, 3): begin and end of the next random stop, and how many there were. command (2,): for one robot.
     waiting (n,): open wait. arrived, gone (n,): seconds; inf if not yet. idle (2,): seconds without progress, and the
@@ -91,6 +95,7 @@ class Now(NamedTuple):
 
     state: Floats
     seen: Floats
+    unsure: Floats
     progress: Floats
     reference: Floats
     leg: Ints
@@ -113,7 +118,8 @@ class Tally(NamedTuple):
 
     done (n, 5): metres, radians turned, joules per kilogram, sum of squared strays, number of strays. worst (n, 4):
     greatest stray, when, where. clear, apart (n, 5): least distance from shapes and robots, when, where, from which.
-    measured (n, 2): distance from the shapes at a measurement, metres moved since. hitting (n,): shape that is touched.
+    measured (n, 2): distance from the shapes at a measurement, metres moved since. inside (n,): whether the centre may
+    lie inside a shape. hitting (n,): while shapes are touched the first collision of this time, else −1.
     """
 
     done: Floats
@@ -121,6 +127,7 @@ class Tally(NamedTuple):
     clear: Floats
     apart: Floats
     measured: Floats
+    inside: NDArray[np.bool_]
     hitting: Ints
 
 
@@ -152,28 +159,33 @@ class Rows(NamedTuple):
 
 @lean_kernel
 def run_steps(
-    dt: float, stride: int, until: float, tol: float, chance: Chance, team: Team, ground: Ground,
+    dt: float, most: int, stride: int, until: float, tol: float, chance: Chance, team: Team, ground: Ground,
     waits: Waits, pending: Pending, now: Now, tally: Tally, near: Near, rows: Rows, collisions: Floats,
     held: Floats, counts: Ints,
 ) -> int:  # fmt: skip
-    """Let the team drive until it has ended or something is full; returns what of these it is.
+    """Let the team drive for ``most`` steps, or until it has ended or something is full; returns what of these it is.
 
-    ENDED: all have arrived. STUCK: nobody will go on, or the time ``until`` is over. Otherwise Python makes room and
-    calls again; calls in pieces and in one give the same run. Every ``stride``-th instant is recorded, none if 0.
+    GOING: after so many steps. ENDED: all have arrived. STUCK: nobody will go on, or the time ``until`` is over.
+    Otherwise Python makes room and calls again; calls in pieces and in one give the same run. Every ``stride``-th
+    instant is recorded, none if 0.
     """
     n = len(team.kinds)
+    patience = _patience(team)
+    last = counts[STEP] + most
     while True:
         step = counts[STEP]
+        if step == last:
+            return GOING
         time = step * dt
         if stride > 0 and step % stride == 0 and counts[ROWS] == len(rows.times):
             return ROWS_FULL
         if counts[COLLISIONS] + max(counts[PAIRS], 0) + n > len(collisions) or counts[WAITS] + n > len(held):
             return EVENTS_FULL
-        if (counts[PAIRS] < 0 or greatest(near.moved) > 0.4 * near.skin) and not _list_near(
+        if (counts[PAIRS] < 0 or greatest(near.moved) > 0.4 * near.skin) and not list_near(
             time, ground, team, now, near, collisions, counts
         ):
             return PAIRS_FULL
-        ended, stuck = _over(time, dt, team, chance, now)
+        ended, stuck = _over(time, dt, patience, team, chance, now)
         if ended or stuck or time >= until:
             return ENDED if ended else STUCK
         if stride > 0 and step % stride == 0:
@@ -184,38 +196,51 @@ def run_steps(
             if now.gone[i] <= time:
                 continue
             _drive(i, step, time, dt, chance, team, now, tally, held, counts)
-            _perceive(i, step + 1, chance, now)
+            perceive(i, step + 1, dt, chance, team, now)
             _advance_progress(i, team, now)
             moved = np.sqrt((now.state[i, 0] - near.before[i, 0]) ** 2 + (now.state[i, 1] - near.before[i, 1]) ** 2)
             near.moved[i] += moved
             tally.done[i, 0] += moved
             _measure_stray(i, time + dt, team, now, tally)
-            _measure_ground(
+            measure_ground(
                 i, near.before[i, 0], near.before[i, 1], time + dt, tol, team, ground, now, tally, collisions, counts
             )
             if now.arrived[i] == np.inf and now.progress[i] >= team.stamps[team.first[i + 1] - 1, 0]:
                 now.arrived[i] = time + dt
                 if team.leaves[i]:
                     now.gone[i] = time + dt
-        _measure_pairs(time, dt, tol, team, now, tally, near, collisions, counts)
+        measure_pairs(time, dt, tol, team, now, tally, near, collisions, counts)
         counts[STEP] = step + 1
 
 
 @lean_kernel
-def _over(time: float, dt: float, team: Team, chance: Chance, now: Now) -> tuple[bool, bool]:
+def _patience(team: Team) -> float:
+    """Seconds after which somebody who turns as far as there is to turn would have come on."""
+    most = 0.0
+    for i in range(len(team.kinds)):
+        if team.kinds[i] == ACKERMANN:
+            seconds = 2.0 * np.pi * turning_radius(i, team.params) / slow_speed(i, team.params)
+        else:
+            seconds = turning_seconds(i, team.kinds[i], team.params, team.tuning, 2.0 * np.pi)
+        most = max(most, seconds / min(team.drift[i], 1.0))
+    return most + _PATIENCE
+
+
+@lean_kernel
+def _over(time: float, dt: float, patience: float, team: Team, chance: Chance, now: Now) -> tuple[bool, bool]:
     """Whether all have arrived, and whether nobody has come on for long though nobody who could go on halts."""
     ended, halting, total = True, False, 0.0
     for i in range(len(team.kinds)):
         total += now.progress[i]
         if now.arrived[i] == np.inf:
             ended = False
-            free = time < team.dies[i] and now.reference[i] < now.bound[i]
+            free = time < team.dies[i] and now.progress[i] < now.bound[i]
             halting = halting or (free and chance.stops > 0.0 and now.halts[i, 0] <= time < now.halts[i, 1])
     if halting or total > now.idle[1] + _CREEP * dt:
         now.idle[0], now.idle[1] = 0.0, total
     else:
         now.idle[0] += dt
-    return ended, now.idle[0] > _PATIENCE
+    return ended, now.idle[0] > patience
 
 
 @lean_kernel
@@ -232,26 +257,32 @@ def _drive(
     lost = dt - (now.reference[i] - was)
     if now.held_by[i] >= 0 and now.reference[i] >= now.bound[i] and now.bound[i] < time and lost > 0.01 * dt:
         _wait(i, now.held_by[i], time, dt, lost, now, held, counts)
-    if time >= team.dies[i] or _halted(i, time, chance, now):
+    if time >= team.dies[i] or halted(i, time, chance, now):
         now.command[i, 0] = now.command[i, 1] = 0.0
     else:
         command(
             i, team.kinds, team.params, team.tuning, now.seen, team.course, team.first, now.leg, now.pace, now.trim,
             now.reference, dt, now.command,
         )  # fmt: skip
+    grip(i, time, chance, team, now)
+    v, turn, heading = now.state[i, 3], now.state[i, 4], now.state[i, 2]
+    move(i, team.kinds, team.params, now.state, now.command, now.slip, dt)
+    tally.done[i, 1] += abs(now.state[i, 2] - heading)
+    tally.done[i, 2] += work(team.kinds[i], team.radii[i], v, turn, now.state[i, 3], now.state[i, 4], dt)
+
+
+@lean_kernel
+def grip(i: int, time: float, chance: Chance, team: Team, now: Now) -> None:
+    """Write what the ground makes of robot i's wheels now."""
     for wheel in range(2):
         # what is wrong with the wheels is wrong with both; other vehicles only drive faster than they believe
         now.slip[i, wheel] = team.drift[i] if wheel == 0 or team.kinds[i] == DIFFERENTIAL else 1.0
         if chance.slip > 0.0:
             now.slip[i, wheel] *= 1.0 + chance.slip * normal(chance.seed, i, int(time / SLIP_SECONDS), 8 + 2 * wheel)
-    v, turn, heading = now.state[i, 3], now.state[i, 4], now.state[i, 2]
-    move(i, team.kinds, team.params, now.state, now.command, now.slip, dt)
-    tally.done[i, 1] += abs(now.state[i, 2] - heading)
-    tally.done[i, 2] += _work(team.kinds[i], team.radii[i], v, turn, now.state[i, 3], now.state[i, 4], dt)
 
 
 @lean_kernel
-def _work(kind: int, radius: float, v0: float, w0: float, v1: float, w1: float, dt: float) -> float:
+def work(kind: int, radius: float, v0: float, w0: float, v1: float, w1: float, dt: float) -> float:
     """Joules per kilogram of a step: gain of kinetic energy, of which braking gives nothing back, and rolling."""
     if kind == INTEGRATOR:
         v0, v1 = np.sqrt(v0 * v0 + w0 * w0), np.sqrt(v1 * v1 + w1 * w1)
@@ -290,20 +321,45 @@ def normal(seed: int, a: int, b: int, c: int) -> float:
 
 
 @lean_kernel
-def _perceive(i: int, step: int, chance: Chance, now: Now) -> None:
-    """What robot i believes of its pose."""
-    state, seen = now.state, now.seen
-    for k in range(6):
-        seen[i, k] = state[i, k]
-    if chance.position_noise > 0.0:
-        seen[i, 0] += chance.position_noise * normal(chance.seed, i, step, 0)
-        seen[i, 1] += chance.position_noise * normal(chance.seed, i, step, 2)
-    if chance.heading_noise > 0.0:
-        seen[i, 2] += chance.heading_noise * normal(chance.seed, i, step, 4)
+def perceive(i: int, step: int, dt: float, chance: Chance, team: Team, now: Now) -> None:
+    """What robot i believes of its pose: a Kalman filter of what its wheels have done and of noisy fixes.
+
+    Wheels count without slip. The filter takes them to err by a share ``odometry`` for `SLIP_SECONDS` at a time, which
+    is a random walk with that share squared times `SLIP_SECONDS` as its variance, for a way of a metre in a second. A
+    fix without noise is believed.
+    """
+    state, seen, unsure = now.state, now.seen, now.unsure
+    place_noise, heading_noise = chance.position_noise**2, chance.heading_noise**2
+    if place_noise == 0.0 and heading_noise == 0.0:
+        for k in range(6):
+            seen[i, k] = state[i, k]
+        return
+    now.slip[i, 0] = now.slip[i, 1] = 1.0
+    move(i, team.kinds, team.params, seen, now.command, now.slip, dt)
+    speed_squared, turn_squared = seen[i, 3] ** 2, seen[i, 4] ** 2
+    if team.kinds[i] == INTEGRATOR:
+        speed_squared, turn_squared = speed_squared + turn_squared, 0.0
+    elif team.kinds[i] == DIFFERENTIAL:
+        turn_squared += 2.0 * speed_squared / team.params[i, 5] ** 2  # wheels that err apart turn it
+    if step == 1:
+        unsure[i, 0], unsure[i, 1] = place_noise, heading_noise
+    lasting = SLIP_SECONDS * dt
+    unsure[i, 1] += lasting * chance.odometry**2 * turn_squared
+    share = unsure[i, 1] / (unsure[i, 1] + heading_noise) if heading_noise > 0.0 else 1.0
+    fix = state[i, 2] + chance.heading_noise * normal(chance.seed, i, step, 4)
+    seen[i, 2] = (1.0 - share) * seen[i, 2] + share * fix
+    unsure[i, 1] *= 1.0 - share
+    # a heading that is believed leads the way that is counted astray
+    unsure[i, 0] += lasting * (chance.odometry**2 + unsure[i, 1]) * speed_squared
+    share = unsure[i, 0] / (unsure[i, 0] + place_noise) if place_noise > 0.0 else 1.0
+    for axis in range(2):
+        fix = state[i, axis] + chance.position_noise * normal(chance.seed, i, step, 2 * axis)
+        seen[i, axis] = (1.0 - share) * seen[i, axis] + share * fix
+    unsure[i, 0] *= 1.0 - share
 
 
 @lean_kernel
-def _halted(i: int, time: float, chance: Chance, now: Now) -> bool:
+def halted(i: int, time: float, chance: Chance, now: Now) -> bool:
     """Whether robot i is in a random stop; draws the next one when one is over."""
     if chance.stops <= 0.0:
         return False
@@ -333,7 +389,7 @@ def _advance_progress(i: int, team: Team, now: Now) -> None:
 
     The path is looked at from the progress before to the reference and, where the robot may be ahead of it, to the end
     of the reference's leg or its bound. Who is level with the reference, as near as its tracker ever comes, has reached
-    it: nobody waits for the last millimetres.
+    it: nobody waits for the last millimetres, nor for a truck that has stopped beside.
     """
     stamps = team.stamps
     last = team.first[i + 1] - 1
@@ -359,14 +415,22 @@ def _advance_progress(i: int, team: Team, now: Now) -> None:
             best, at, leg, near_x, near_y = d, (1.0 - s) * t0 + s * t1, k, on_x, on_y
             level = abs((x - px) * team.course[k, TO_X] + (y - py) * team.course[k, TO_Y])
     close = 2.0 * team.tuning[i, TOLERANCE]
-    if at < until and level <= close and (near_x - x) ** 2 + (near_y - y) ** 2 <= close * close:
+    reached = level <= close and (near_x - x) ** 2 + (near_y - y) ** 2 <= close * close
+    if at < until and (reached or _stands_level(i, team, now)):
         at, leg = until, now.leg[i]
     now.progress[i] = max(now.progress[i], at)
     now.behind[i] = leg
 
 
 @lean_kernel
-def _measure_ground(
+def _stands_level(i: int, team: Team, now: Now) -> bool:
+    return stands_level(
+        i, team.kinds, team.params, team.tuning, now.seen, team.course, team.first, now.leg, now.pace, now.reference
+    )
+
+
+@lean_kernel
+def measure_ground(
     i: int, ax: float, ay: float, time: float, tol: float, team: Team, ground: Ground, now: Now, tally: Tally,
     collisions: Floats, counts: Ints,
 ) -> None:  # fmt: skip
@@ -381,6 +445,11 @@ def _measure_ground(
         ax, ay, bx, by, 2.0 * within, ground.edges, ground.owner, ground.reach, ground.first, ground.sides,
         ground.x0, ground.y0, ground.size, ground.columns, ground.rows,
     )  # fmt: skip
+    if tally.inside[i] or found <= tol:
+        deep, around = deepest_inside(bx, by, ground.edges, ground.rings, ground.solid, ground.reach)
+        tally.inside[i] = around >= 0
+        if deep < found:
+            found, shape = deep, around
     # the distance is that of the motion; its end is as near or farther
     measured[i, 0], measured[i, 1] = found, 0.0
     distance = found - radius
@@ -388,9 +457,14 @@ def _measure_ground(
         clear[i, 0], clear[i, 1], clear[i, 2], clear[i, 3], clear[i, 4] = distance, time, bx, by, shape
     if shape < 0 or distance >= -tol:
         tally.hitting[i] = -1
-    elif tally.hitting[i] != shape:
-        tally.hitting[i] = shape
-        _collide(collisions, counts, i, -1 - shape, time, bx, by, -distance)
+        return
+    if tally.hitting[i] < 0:
+        tally.hitting[i] = counts[COLLISIONS]
+    for k in range(tally.hitting[i], counts[COLLISIONS]):
+        if collisions[k, 0] == i and collisions[k, 1] == -1 - shape:
+            collisions[k, 5] = max(collisions[k, 5], -distance)
+            return
+    _collide(collisions, counts, i, -1 - shape, time, bx, by, -distance)
 
 
 @lean_kernel
@@ -406,7 +480,7 @@ def _collide(
 
 
 @lean_kernel
-def _measure_pairs(
+def measure_pairs(
     time: float, dt: float, tol: float, team: Team, now: Now, tally: Tally, near: Near, collisions: Floats, counts: Ints
 ) -> None:
     """Note how near robots have come to each other in the step that begins at a time, as if they moved evenly."""
@@ -440,7 +514,7 @@ def _measure_pairs(
 
 
 @lean_kernel
-def _list_near(time: float, ground: Ground, team: Team, now: Now, near: Near, collisions: Floats, counts: Ints) -> bool:
+def list_near(time: float, ground: Ground, team: Team, now: Now, near: Near, collisions: Floats, counts: Ints) -> bool:
     """List anew who may come near whom; a collision that lasts stays the same one. False if there is no room."""
     for i in range(len(near.moved)):
         near.moved[i] = 0.0

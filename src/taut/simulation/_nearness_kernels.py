@@ -79,6 +79,31 @@ def nearest_shape(
 
 
 @lean_kernel
+def deepest_inside(px: float, py: float, edges: Floats, rings: Ints, solid: Ints, reach: Floats) -> tuple[float, int]:
+    """How deep a point lies inside a shape, as a negative distance, and in which; (inf, −1) if in none.
+
+    Shape o has the sides ``rings[o]`` to ``rings[o + 1]``; ``solid[o]`` is 1 if it fills its ring, −1 if it is all
+    around it (the wall), 0 if it has no inside but what lies within its reach.
+    """
+    best, shape = np.inf, -1
+    for o in range(len(solid)):
+        if solid[o] == 0:
+            continue
+        odd, least = False, np.inf
+        for e in range(rings[o], rings[o + 1]):
+            ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
+            least = min(least, _to_segment(px, py, ax, ay, bx, by))
+            # a ray to the right crosses the side
+            if (ay > py) != (by > py) and ((bx - ax) * (py - ay) - (by - ay) * (px - ax) > 0.0) == (by > ay):
+                odd = not odd
+        if odd == (solid[o] > 0):
+            depth = -float(np.sqrt(least)) - reach[o]
+            if depth < best:
+                best, shape = depth, o
+    return best, shape
+
+
+@lean_kernel
 def greatest(values: Floats) -> float:
     """Return the greatest of some numbers ≥ 0; 0 of none."""
     most = 0.0

@@ -14,7 +14,6 @@ from taut.simulation._loop_kernels import (
     GOING,
     PAIRS,
     PAIRS_FULL,
-    SLIP_SECONDS,
     STEP,
     Chance,
     Ground,
@@ -22,16 +21,16 @@ from taut.simulation._loop_kernels import (
     Now,
     Tally,
     Team,
-    _halted,
-    _list_near,
-    _measure_ground,
-    _measure_pairs,
-    _perceive,
-    _work,
-    normal,
+    grip,
+    halted,
+    list_near,
+    measure_ground,
+    measure_pairs,
+    perceive,
+    work,
 )
 from taut.simulation._nearness_kernels import greatest
-from taut.simulation._vehicle_kernels import ACKERMANN, DIFFERENTIAL, INTEGRATOR, move
+from taut.simulation._vehicle_kernels import ACKERMANN, INTEGRATOR, move
 from taut.team._lean import lean_kernel
 
 Floats = NDArray[np.float64]
@@ -71,7 +70,7 @@ def steer_step(
     time = step * dt
     if counts[COLLISIONS] + max(counts[PAIRS], 0) + n > len(collisions):
         return EVENTS_FULL
-    if (counts[PAIRS] < 0 or greatest(near.moved) > 0.4 * near.skin) and not _list_near(
+    if (counts[PAIRS] < 0 or greatest(near.moved) > 0.4 * near.skin) and not list_near(
         time, ground, team, now, near, collisions, counts
     ):
         return PAIRS_FULL
@@ -79,22 +78,22 @@ def steer_step(
         x, y, heading = now.state[i, 0], now.state[i, 1], now.state[i, 2]
         v, w = now.state[i, 3], now.state[i, 4]
         near.before[i, 0], near.before[i, 1] = x, y
-        if time >= team.dies[i] or _halted(i, time, chance, now):
+        if time >= team.dies[i] or halted(i, time, chance, now):
             now.command[i, 0] = now.command[i, 1] = 0.0
             if shunts.turn[0] == i and time >= team.dies[i]:
                 shunts.turn[0] = -1
         else:
             _command(i, turning, team, wanted, ways, shunts, now)
-        _grip(i, time, chance, team, now)
+        grip(i, time, chance, team, now)
         move(i, team.kinds, team.params, now.state, now.command, now.slip, dt)
         moved = math.hypot(now.state[i, 0] - x, now.state[i, 1] - y)
         near.moved[i] += moved
         tally.done[i, 0] += moved
         tally.done[i, 1] += abs(now.state[i, 2] - heading)
-        tally.done[i, 2] += _work(team.kinds[i], team.radii[i], v, w, now.state[i, 3], now.state[i, 4], dt)
-        _perceive(i, step + 1, chance, now)
-        _measure_ground(i, x, y, time + dt, tol, team, ground, now, tally, collisions, counts)
-    _measure_pairs(time, dt, tol, team, now, tally, near, collisions, counts)
+        tally.done[i, 2] += work(team.kinds[i], team.radii[i], v, w, now.state[i, 3], now.state[i, 4], dt)
+        perceive(i, step + 1, dt, chance, team, now)
+        measure_ground(i, x, y, time + dt, tol, team, ground, now, tally, collisions, counts)
+    measure_pairs(time, dt, tol, team, now, tally, near, collisions, counts)
     counts[STEP] = step + 1
     return GOING
 
@@ -160,12 +159,3 @@ def _shunt(i: int, ahead: float, left: float, way: float, params: Floats, shunts
             bend = math.copysign(min(2.0 * abs(math.sin(off)) / distance, 1.0 / radius), off)
         speed *= max(math.cos(off), _BENT)
     command[i, 0], command[i, 1] = gears[i] * speed, bend * speed
-
-
-@lean_kernel
-def _grip(i: int, time: float, chance: Chance, team: Team, now: Now) -> None:
-    """What the ground makes of robot i's wheels now, as in a run that follows a plan."""
-    for wheel in range(2):
-        now.slip[i, wheel] = team.drift[i] if wheel == 0 or team.kinds[i] == DIFFERENTIAL else 1.0
-        if chance.slip > 0.0:
-            now.slip[i, wheel] *= 1.0 + chance.slip * normal(chance.seed, i, int(time / SLIP_SECONDS), 8 + 2 * wheel)

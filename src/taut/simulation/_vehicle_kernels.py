@@ -16,7 +16,7 @@ Ints = NDArray[np.int64]
 __all__ = ["ACKERMANN", "DIFFERENTIAL", "INTEGRATOR", "UNICYCLE", "move"]
 
 _ROOT = math.sqrt(15.0)
-_STEP = 0.05
+_STEP = 0.02
 _STEERING_STEP = 0.02
 
 
@@ -30,8 +30,8 @@ def move(i: int, kinds: Ints, params: Floats, state: Floats, command: Floats, sl
     has no turn rate). State holds what the wheels do, so slip shows in the places only.
 
     Commands are cut to the limits, then followed as quickly as the accelerations allow. Constant speeds are followed in
-    closed form; linear ones by Gauss-Legendre collocation of order 6 in steps that turn by at most 1/20 radian, with an
-    error below 1e-10 of the way.
+    closed form; linear ones by Gauss-Legendre collocation of order 6 in steps that turn by at most 1/50 radian, with an
+    error below 1e-9 of the way that the wheels roll.
     """
     kind, forward, turn = kinds[i], command[i, 0], command[i, 1]
     if kind == INTEGRATOR:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from taut.certificate._kernels import FILLED, OPEN, OUTSIDE
 from taut.certificate.clearance import shapes_of
 from taut.control._course_kernels import COLUMNS, TO_X, TO_Y, lay_courses
 from taut.control.coordination import Dependencies, dependencies, pending
@@ -17,6 +20,7 @@ from taut.scene import FloatArray, Scene
 from taut.simulation._loop_kernels import (
     COLLISIONS,
     EVENTS_FULL,
+    GOING,
     PAIRS,
     PAIRS_FULL,
     ROWS,
@@ -41,6 +45,9 @@ _MOST_CELLS = 256  # of a row or column of a grid
 _RECORDED_AT_ONCE = 2**16  # poses
 _EVENTS = 256  # for which there is room at first, and the next for pairs a robot
 _PAIRS = 8
+_PIECE = 2**16  # steps of single robots that the loop does at once: a tenth of a second, in which nothing stops it
+_SOLID = {FILLED: 1, OPEN: 0, OUTSIDE: -1}
+_UNTRUSTED = 0.05  # of its way: the least by which a robot takes its wheels to err
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +143,9 @@ def ground_of(scene: Scene) -> tuple[Ground, tuple[str, ...]]:
     edges = np.ascontiguousarray(shapes.edges)
     x0, y0, size, columns, rows = grid_over(edges, max(len(edges), 16))
     cells, sides = sides_of_cells(edges, x0, y0, size, columns, rows)
-    return Ground(edges, shapes.owner, shapes.radius, cells, sides, x0, y0, size, columns, rows), shapes.names
+    solid = np.array([_SOLID[kind] for kind in shapes.kind.tolist()], dtype=np.int64)
+    ground = Ground(edges, shapes.owner, shapes.radius, shapes.first, solid, cells, sides, x0, y0, size, columns, rows)
+    return ground, shapes.names
 
 
 def watched_within(scene: Scene, team: Team) -> float:
@@ -156,11 +165,18 @@ def nobody_waits(plan: Plan) -> Dependencies:
 
 
 def drive(
-    setting: Setting, disturbances: Disturbances, seed: int, until: float, stride: int, watch: Watching | None = None
+    setting: Setting,
+    disturbances: Disturbances,
+    seed: int,
+    until: float,
+    stride: int,
+    watch: Watching | None = None,
+    given_up: threading.Event | None = None,
 ) -> Driven:
     """Let the team drive until all have arrived, nobody goes on, or the time ``until`` is over.
 
-    Every ``stride``-th instant is recorded (none if 0) and shown to ``watch``. Safe to call on several threads.
+    Every ``stride``-th instant is recorded (none if 0) and shown to ``watch``. Safe to call on several threads. Ends
+    with a KeyboardInterrupt soon after ``given_up`` is set.
     """
     n = len(setting.names)
     team, chance = disturbed(setting.plan.scene, setting.team, disturbances, seed)
@@ -172,15 +188,19 @@ def drive(
     kept: list[Rows] = []
     many = 1 + _RECORDED_AT_ONCE // max(n, 1)
     rows = _rows(1 if watch else many if stride else 0, n)
-    shown = -1
+    shown, piece = -1, 1 + _PIECE // max(n, 1)
     while True:
+        if given_up is not None and given_up.is_set():
+            raise KeyboardInterrupt
         if watch is not None and stride and counts[STEP] % stride == 0 and counts[STEP] > shown:
             shown = int(counts[STEP])
             watch(shown * setting.dt, now)
         status = run_steps(
-            setting.dt, stride, until, setting.tol, chance, team, setting.ground, setting.waits.waits, todo, now,
-            tally, near, rows, collisions, held, counts,
+            setting.dt, piece, stride, until, setting.tol, chance, team, setting.ground, setting.waits.waits, todo,
+            now, tally, near, rows, collisions, held, counts,
         )  # fmt: skip
+        if status == GOING:
+            continue
         if status == ROWS_FULL:
             kept.append(_copied(rows, counts[ROWS]))
             counts[ROWS] = 0
@@ -214,8 +234,11 @@ def disturbed(scene: Scene, team: Team, disturbances: Disturbances, seed: int) -
     fate = fate_of(scene, disturbances, seed)
     params = team.params.copy()
     params[:, 0] *= fate.reach
+    # what the wheels err by in a run, of which the robots know the size alone
+    odometry = math.hypot(_UNTRUSTED, disturbances.slip, disturbances.speed_error / math.sqrt(3.0))
     chance = Chance(
         seed,
+        odometry,
         disturbances.stops,
         disturbances.stop_seconds,
         disturbances.position_noise,
@@ -259,6 +282,7 @@ def standing(team: Team, headings: FloatArray) -> Now:
     return Now(
         state=state,
         seen=state.copy(),
+        unsure=np.zeros((n, 2)),
         progress=np.zeros(n),
         reference=np.zeros(n),
         leg=first[:-1].copy(),
@@ -288,6 +312,7 @@ def unmeasured(n: int) -> Tally:
         clear=clear,
         apart=apart,
         measured=np.zeros((n, 2)),
+        inside=np.ones(n, dtype=np.bool_),
         hitting=np.full(n, -1, dtype=np.int64),
     )
 

@@ -9,18 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from taut.certificate import certify
-from taut.control.coordination import dependencies
+from taut.control.coordination import Dependencies, dependencies
 from taut.errors import PlanError, SceneError
 from taut.motion import Plan
 from taut.scene import FloatArray, Point, Robot, Scene
 from taut.simulation._loop_kernels import Now
 from taut.simulation.disturbances import Disturbances
 from taut.simulation.driving import Driven, Setting, Watching, drive, nobody_waits, setting_of
+from taut.simulation.margin import SLACK
 from taut.simulation.sensors import Lidar, scan
 from taut.simulation.surroundings import surroundings_of
-from taut.simulation.vehicles import Vehicle, tracking_for, vehicle_for
+from taut.simulation.vehicles import KINDS, Vehicle, tables, tracking_for, vehicle_for
 
 LONGEST = 10.0  # a run may last so many times as long as its plan, and a minute more
+LEAST_STEP, MOST_STEP = 1e-9, 0.25  # seconds: controllers need a few steps while their vehicle reaches its speed
+_FARTHEST = 0.05  # of the workspace: what a robot may cross in a step
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Collision:
     time : seconds at which it began.
     place : metres, between the two robots, or of the robot that hit an obstacle.
     robot, other : names; the other is a robot, an obstacle or "the wall".
-    depth : metres; of two robots the greatest, of an obstacle that at the beginning.
+    depth : metres, the greatest.
     """
 
     time: float
@@ -112,6 +115,7 @@ class Run:
     strays : (k, n) metres from the place that is planned for this plan time.
     arrivals : (n,) seconds; nan if a robot has not arrived.
     greatest_stray, mean_stray : (n,) metres, over all steps: the greatest and the root of the mean square.
+    strayed_at : (n,) seconds, of the greatest.
     clearances, separations : per robot, the nearest obstacle and the nearest robot of all steps.
     collisions, waits : by time.
     distance, turned, work : (n,) metres driven, radians turned, joules per kilogram: kinetic energy gained, of which
@@ -132,6 +136,7 @@ class Run:
     arrivals: FloatArray
     greatest_stray: FloatArray
     mean_stray: FloatArray
+    strayed_at: FloatArray
     clearances: tuple[Nearest, ...]
     separations: tuple[Nearest, ...]
     collisions: tuple[Collision, ...]
@@ -192,7 +197,7 @@ def simulate(
     disturbances : what goes wrong; nothing by default.
     coordination : whether late robots slow those that pass after them; without, each keeps to the clock.
     lidar : carried by every robot, read at every recorded instant.
-    dt : seconds of a step.
+    dt : seconds of a step, at most 0.25, in which no robot may cross more than a twentieth of the workspace.
     every : seconds between recorded instants, rounded to steps.
 
     Raises
@@ -217,9 +222,11 @@ def simulate(
     setting, vehicles = prepared(plan, vehicle, coordination, dt, met.position_noise)
     if not (math.isfinite(every) and every > 0):
         raise SceneError(f"the time between recorded instants must be positive and finite, got {every:g} s")
+    if lidar is not None and not isinstance(lidar, Lidar):
+        raise SceneError(f"lidar must be a Lidar or None, got {lidar!r}")
     seen: list[tuple[float, FloatArray]] = []
     watch = None if lidar is None else looking(plan, lidar, checked_seed(seed), seen)
-    driven = drive(setting, met, checked_seed(seed), longest(plan), max(round(every / dt), 1), watch)
+    driven = drive(setting, met, checked_seed(seed), longest(plan), max(round(min(every / dt, 2.0**62)), 1), watch)
     return _run(setting, vehicles, driven, met, seed, coordination, None if lidar is None else _scans(lidar, seen))
 
 
@@ -227,21 +234,45 @@ def prepared(
     plan: Plan, vehicle: str | Vehicle | Mapping[str, str | Vehicle], coordination: bool, dt: float, noise: float = 0.0
 ) -> tuple[Setting, tuple[Vehicle, ...]]:
     """Lay out a plan for any number of runs of robots that know their places up to ``noise``; raises as `simulate`."""
-    if not (math.isfinite(dt) and dt > 0):
-        raise SceneError(f"the step must be positive and finite, got {dt:g} s")
+    dt = checked_step(dt)
     certificate = certify(plan)
     if not certificate.ok:
         raise PlanError(f"only plans that hold are simulated; {certificate.problems[0]}")
     robots = plan.scene.robots
     vehicles = vehicles_of(plan.scene, vehicle)
+    _check_hops(plan.scene, vehicles, dt)
     trackings = [tracking_for(robot, own, dt, noise) for robot, own in zip(robots, vehicles, strict=True)]
-    waits = dependencies(plan) if coordination else nobody_waits(plan)
+    waits = waits_of(plan) if coordination else nobody_waits(plan)
     return setting_of(plan, vehicles, trackings, dt, waits), vehicles
+
+
+def waits_of(plan: Plan) -> Dependencies:
+    """Who waits for whom in a run of a plan: its gap is kept but for `SLACK`."""
+    return dependencies(plan, -SLACK * plan.scene.gap)
 
 
 def longest(plan: Plan) -> float:
     """Seconds after which a run is given up."""
     return LONGEST * plan.makespan + 60.0
+
+
+def checked_step(dt: float) -> float:
+    """Return the seconds of a step.
+
+    Raises
+    ------
+    SceneError
+        They are no number, not positive, or too small or large to follow anything.
+    """
+    try:
+        step = float(dt)
+    except (TypeError, ValueError, OverflowError):
+        raise SceneError(f"the step must be a number of seconds, got {dt!r}") from None
+    if not (math.isfinite(step) and step > 0):
+        raise SceneError(f"the step must be positive and finite, got {step:g} s")
+    if not LEAST_STEP <= step <= MOST_STEP:
+        raise SceneError(f"the step must be from {LEAST_STEP:g} to {MOST_STEP:g} s, got {step:g} s")
+    return step
 
 
 def checked_seed(seed: int) -> int:
@@ -269,7 +300,23 @@ def vehicles_of(
 
 
 def _vehicle(robot: Robot, vehicle: str | Vehicle, reserve: float) -> Vehicle:
-    return vehicle_for(robot, vehicle, reserve) if isinstance(vehicle, str) else vehicle
+    if isinstance(vehicle, str):
+        return vehicle_for(robot, vehicle, reserve)
+    if not isinstance(vehicle, Vehicle):
+        raise SceneError(f"a vehicle must be one of {', '.join(KINDS)}, or made by their classes, got {vehicle!r}")
+    return vehicle
+
+
+def _check_hops(scene: Scene, vehicles: tuple[Vehicle, ...], dt: float) -> None:
+    """Refuse a step in which robots jump across the world."""
+    fastest = float(tables(vehicles)[1][:, 0].max(initial=0.0))
+    x, y = np.array(scene.workspace, dtype=np.float64).T
+    width = math.hypot(np.ptp(x), np.ptp(y))
+    if fastest * dt > _FARTHEST * width:
+        raise SceneError(
+            f"in a step of {dt:g} s a vehicle drives {fastest * dt:.4g} m, too far in a workspace of {width:.4g} m "
+            f"from corner to corner; take a step of at most {_FARTHEST * width / fastest:.1g} s"
+        )
 
 
 def collisions_of(rows: FloatArray, names: tuple[str, ...], shapes: tuple[str, ...]) -> tuple[Collision, ...]:
@@ -332,6 +379,7 @@ def _run(
         arrivals=np.where(np.isinf(driven.now.arrived), np.nan, driven.now.arrived),
         greatest_stray=tally.worst[:, 0].copy(),
         mean_stray=mean,
+        strayed_at=tally.worst[:, 1].copy(),
         clearances=nearest_of(tally.clear, setting.shapes),
         separations=nearest_of(tally.apart, names),
         collisions=collisions_of(driven.collisions, names, setting.shapes),

@@ -44,7 +44,15 @@ from taut.simulation.driving import (
     unmeasured,
     watched_within,
 )
-from taut.simulation.running import Collision, Nearest, checked_seed, collisions_of, nearest_of, vehicles_of
+from taut.simulation.running import (
+    Collision,
+    Nearest,
+    checked_seed,
+    checked_step,
+    collisions_of,
+    nearest_of,
+    vehicles_of,
+)
 from taut.simulation.vehicles import KINDS, Ackermann, Vehicle, tables
 from taut.validation import check_form
 
@@ -191,7 +199,8 @@ def steer(
     vehicles = vehicles_of(scene, vehicle, reserve=1.0)
     if settled is None:
         settled = _TRUCKS_SETTLED if any(isinstance(each, Ackermann) for each in vehicles) else _SETTLED
-    _check_numbers(dt, every, seconds, settled)
+    dt = checked_step(dt)
+    _check_numbers(every, seconds, settled)
     check_form(scene)
     met = disturbances or Disturbances()
     loop, shapes = _begun(scene, vehicles, law, met, checked_seed(seed), dt)
@@ -287,10 +296,9 @@ class _Loop(NamedTuple):
     counts: NDArray[np.int64]
 
 
-def _check_numbers(dt: float, every: float, seconds: float, settled: float) -> None:
-    for value, what in ((dt, "the step"), (every, "the time between recorded instants")):
-        if not (math.isfinite(value) and value > 0):
-            raise SceneError(f"{what} must be positive and finite, got {value:g} s")
+def _check_numbers(every: float, seconds: float, settled: float) -> None:
+    if not (math.isfinite(every) and every > 0):
+        raise SceneError(f"the time between recorded instants must be positive and finite, got {every:g} s")
     if not (math.isfinite(seconds) and seconds >= 0):
         raise SceneError(f"the longest time must be finite and not negative, got {seconds:g} s")
     if not 0 <= settled < 1:

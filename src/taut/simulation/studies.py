@@ -16,6 +16,7 @@ import numpy as np
 from taut.chunks import over_chunks
 from taut.errors import OutputError, SceneError
 from taut.motion import Plan
+from taut.scene import Scene
 from taut.simulation.disturbances import Disturbances
 from taut.simulation.driving import Driven, drive
 from taut.simulation.margin import Margin, tracking_margin
@@ -59,7 +60,7 @@ class Study:
     Parameters
     ----------
     scene : name of the plan's scene.
-    robots : how many there are.
+    names, obstacles : names of its robots and obstacles.
     planned : makespan of the plan, seconds.
     vehicle : what they drive.
     disturbances : what the runs met.
@@ -70,7 +71,8 @@ class Study:
     """
 
     scene: str
-    robots: int
+    names: tuple[str, ...]
+    obstacles: tuple[str, ...]
     planned: float
     vehicle: str
     disturbances: Mapping[str, object]
@@ -78,6 +80,11 @@ class Study:
     dt: float
     trials: tuple[Trial, ...]
     margin: Margin
+
+    @property
+    def robots(self) -> int:
+        """How many there are."""
+        return len(self.names)
 
     @property
     def collided(self) -> int:
@@ -94,6 +101,19 @@ class Study:
         """Least, median and greatest makespan, seconds."""
         values = [trial.makespan for trial in self.trials]
         return min(values), float(np.median(values)), max(values)
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """Ctrl-C in a study that had made some runs.
+
+    Parameters
+    ----------
+    study : of the runs with the first seeds, as many as were done.
+    """
+
+    def __init__(self, study: Study) -> None:
+        super().__init__()
+        self.study = study
 
 
 def study(
@@ -122,6 +142,8 @@ def study(
         The plan does not hold.
     SceneError
         No seeds, or as `simulate` and `tracking_margin`.
+    StudyInterrupted
+        Ctrl-C, when the run with the first seed was done: a KeyboardInterrupt that holds the study so far.
 
     Examples
     --------
@@ -136,30 +158,42 @@ def study(
     tracking_margin([0.0], probability, confidence)  # its errors come before the work
     met = disturbances or Disturbances()
     setting, _ = prepared(plan, vehicle, coordination, dt, met.position_noise)
-    until, lock = longest(plan), threading.Lock()
-    done = 0
+    until, lock, given_up = longest(plan), threading.Lock(), threading.Event()
+    trials: dict[int, Trial] = {}
 
-    def run(first: int, last: int) -> Trial:
-        nonlocal done
-        trial = _trial(given[first], drive(setting, met, given[first], until, 0))
-        if tell is not None:
-            with lock:
-                done += 1
-                tell(done)
-        return trial
+    def run(first: int, last: int) -> None:
+        driven = drive(setting, met, given[first], until, 0, given_up=given_up)
+        with lock:
+            trials[first] = _trial(given[first], driven)
+            if tell is not None:
+                tell(len(trials))
 
-    trials = tuple(over_chunks(run, len(given), 1))
-    return Study(
-        plan.scene.name,
-        len(setting.names),
-        plan.makespan,
-        vehicle if isinstance(vehicle, str) else "given",
-        met.as_dict(),
-        coordination,
-        dt,
-        trials,
-        tracking_margin([trial.stray for trial in trials], probability, confidence),
-    )
+    def found(count: int) -> Study:
+        runs = tuple(trials[k] for k in range(count))
+        return Study(
+            plan.scene.name,
+            setting.names,
+            tuple(obstacle.name for obstacle in plan.scene.obstacles),
+            plan.makespan,
+            vehicle if isinstance(vehicle, str) else "given",
+            met.as_dict(),
+            coordination,
+            setting.dt,
+            runs,
+            tracking_margin([trial.stray for trial in runs], probability, confidence),
+        )
+
+    try:
+        over_chunks(run, len(given), 1)
+    except KeyboardInterrupt:
+        # not those that happened to be quick: that would make the margin small
+        first_missing = next(k for k in range(len(given) + 1) if k not in trials)
+        if first_missing:
+            raise StudyInterrupted(found(first_missing)) from None
+        raise
+    finally:
+        given_up.set()
+    return found(len(given))
 
 
 def save_study(study: Study, path: str | os.PathLike[str]) -> None:
@@ -188,7 +222,8 @@ def study_summary(study: Study) -> dict[str, Any]:
         "taut": 1,
         "kind": "study",
         "scene": study.scene,
-        "robots": study.robots,
+        "robots": list(study.names),
+        "obstacles": list(study.obstacles),
         "vehicle": study.vehicle,
         "disturbances": dict(study.disturbances),
         "coordinated": study.coordinated,
@@ -208,8 +243,49 @@ def load_margin(path: str | os.PathLike[str]) -> Margin:
     Raises
     ------
     SceneError
-        No such file, or it holds no study.
+        No such file, or it holds no study; a study whose margin keeps nobody apart: robots did not wait for each other,
+        or some never arrived, so that nobody knows how far they would have strayed.
     """
+    name = os.fspath(path)
+    data = _read(path)
+    fields: Any = data.get("margin")
+    try:
+        metres, probability, confidence = (_number(fields[key]) for key in ("metres", "probability", "confidence"))
+        margin = Margin(metres, probability, confidence, _count(fields["runs"]))
+        count, complete = _count(data["count"]), _count(data["complete"])
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise SceneError("its margin is not that of a study: metres, probability, confidence and runs", name) from None
+    except SceneError as error:
+        raise error.at(name) from None
+    if data.get("coordinated") is not True:
+        raise SceneError("is a study without coordination; no margin keeps robots apart that do not wait", name)
+    if complete < count:
+        raise SceneError(
+            f"in {count - complete} of {count} runs not all robots arrived, and what they did not drive is not in the "
+            "margin; mend what stopped them and study anew",
+            name,
+        )
+    return margin
+
+
+def study_doubts(path: str | os.PathLike[str], scene: Scene) -> tuple[str, ...]:
+    """Say in what the scene of a study's file differs from a scene that is to be planned with its margin."""
+    data = _read(path)
+    pairs = (
+        ("scene", data.get("scene"), scene.name),
+        ("robots", data.get("robots"), [robot.name for robot in scene.robots]),
+        ("obstacles", data.get("obstacles"), [obstacle.name for obstacle in scene.obstacles]),
+    )
+    return tuple(
+        f"the study {os.fspath(path)} was made with other {what} than the scene"
+        if what != "scene"
+        else f"the study {os.fspath(path)} is of the scene {studied!r}, not of {own!r}"
+        for what, studied, own in pairs
+        if studied != own
+    )
+
+
+def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
     name = os.fspath(path)
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -220,18 +296,23 @@ def load_margin(path: str | os.PathLike[str]) -> Margin:
     try:
         last = text.rstrip().rsplit("\n", 1)[-1] if Path(path).suffix.lower() == ".jsonl" else text
         data = json.loads(last)
-    except (json.JSONDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         raise SceneError("is no study: it is not JSON", name) from None
     if not isinstance(data, dict) or data.get("kind") != "study":
         raise SceneError("is no study; write one with: taut simulate PLAN --seeds 100 -o study.json", name)
-    fields: Any = data.get("margin")
-    try:
-        metres, probability, confidence = (float(fields[key]) for key in ("metres", "probability", "confidence"))
-        return Margin(metres, probability, confidence, int(fields["runs"]))
-    except (KeyError, TypeError, ValueError):
-        raise SceneError("its margin is not that of a study: metres, probability, confidence and runs", name) from None
-    except SceneError as error:
-        raise error.at(name) from None
+    return data
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError
+    return float(value)
+
+
+def _count(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError
+    return value
 
 
 def _trial(seed: int, driven: Driven) -> Trial:

@@ -156,7 +156,7 @@ def tracking_for(robot: Robot, vehicle: Vehicle, dt: float, noise: float = 0.0) 
     Distances are ways at the robot's speed: slack 0.045 seconds, leash 0.15, tolerance 0.005, cutting 0.01, longer in
     proportion where dt is above 0.05; the truck has slack and leash of 1 and 4 turning radii on top. The gain is 5/s,
     or 0.1/dt if that is less. A robot that knows its place up to ``noise`` metres (σ of each axis) has a tolerance of
-    at least 2 noise, and 3 and 6 noise on top of slack and leash: else it would seek a corner for ever that it cannot
+    at least noise, and 1.5 and 3 noise on top of slack and leash: else it would seek a corner for long that it cannot
     see so sharply, and its reference would wait for errors that are none.
 
     Raises
@@ -170,9 +170,9 @@ def tracking_for(robot: Robot, vehicle: Vehicle, dt: float, noise: float = 0.0) 
     more = vehicle.turning_radius if isinstance(vehicle, Ackermann) else 0.0
     return Tracking(
         gain=min(5.0, 0.1 / dt),
-        slack=0.3 * way + more + 3.0 * noise,
-        leash=way + 4.0 * more + 6.0 * noise,
-        tolerance=max(way / 30, 2.0 * noise),
+        slack=0.3 * way + more + 1.5 * noise,
+        leash=way + 4.0 * more + 3.0 * noise,
+        tolerance=max(way / 30, noise),
         cutting=way / 15,
     )
 

@@ -27,8 +27,8 @@ export const MEASURES = [
   { label: "Makespan", unit: "s", better: -1, of: (answer) => answer.metrics.makespan },
   { label: "Length", unit: "m", better: -1, of: (answer) => answer.metrics.length },
   { label: "Above the bound", unit: "%", better: -1, of: aboveBound },
-  { label: "Least separation", unit: "m", better: 1, of: (answer) => least(answer.certificate.min_separation) },
-  { label: "Least clearance", unit: "m", better: 1, of: (answer) => least(answer.certificate.min_clearance) },
+  { label: "Least separation", unit: "m", better: 1, of: (answer) => answer.certificate.min_separation },
+  { label: "Least clearance", unit: "m", better: 1, of: (answer) => answer.certificate.min_clearance },
   { label: "Waiting", unit: "s", better: -1, of: waiting },
   { label: "Conflicts resolved", unit: "", better: 0, of: (answer) => answer.conflicts.length },
   { label: "Planned in", unit: "s", better: -1, of: (answer) => seconds(answer.phases) },
@@ -188,15 +188,6 @@ function aboveBound({ metrics }) {
   const bound = metrics.lower_bound?.value;
   const cost = metrics.lower_bound?.of === "makespan" ? metrics.makespan : metrics.sum_of_costs;
   return bound > 0 ? 100 * (cost / bound - 1) : null;
-}
-
-/**
- * A least distance of a certificate: a number, or {value, …}.
- * @param {any} found
- */
-function least(found) {
-  if (found === null || found === undefined) return null;
-  return typeof found === "number" ? found : (found.value ?? found.distance ?? null);
 }
 
 /** @param {any} answer */

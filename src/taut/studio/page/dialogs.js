@@ -55,8 +55,11 @@ export function modal({ title, body, buttons = [], wide = false, check = () => t
     element("dialog", { class: wide ? "wide" : "", "aria-labelledby": label, role }, form));
   node.addEventListener("cancel", (event) => (event.preventDefault(), close()));
   node.addEventListener("mousedown", (event) => event.target === node && close());
-  // Keys of the studio mean nothing while a question is open.
-  node.addEventListener("keydown", (event) => event.stopPropagation());
+  // Keys of the studio mean nothing while a question is open; nor do those with which browsers save and open pages.
+  node.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if ((event.ctrlKey || event.metaKey) && /^[soe]$/i.test(event.key)) event.preventDefault();
+  });
   document.body.append(node);
   node.showModal();
   const first = node.querySelector("[autofocus], .dialog-body input, .dialog-body select") ?? foot.at(-1);

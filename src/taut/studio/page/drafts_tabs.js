@@ -3,9 +3,8 @@
 
 const KEY = "taut:tab";
 const LOCK = "taut:tab:";
-/** A page that is loaded again may have to wait for its former self to let go of the lock. */
-const TRIES = 10;
-const PAUSE = 50;
+/** Milliseconds that a page which is loaded again waits for its former self to let go of the lock. */
+const PATIENCE = 1500;
 
 /**
  * Take the name that this tab had before, unless a copy of it lives that has it now, or a new one.
@@ -13,10 +12,7 @@ const PAUSE = 50;
  */
 export async function claimTab() {
   const before = remembered();
-  for (let attempt = 0; before && attempt < TRIES; attempt += 1) {
-    if (await held(before)) return { tab: before, own: true };
-    await new Promise((resolve) => setTimeout(resolve, PAUSE));
-  }
+  if (before && (await held(before))) return { tab: before, own: true };
   const tab = crypto.randomUUID();
   await held(tab);
   try {
@@ -35,16 +31,18 @@ export async function livingTabs() {
 }
 
 /**
- * Take the lock of a tab for as long as the page lives. Whether it was free.
+ * Take the lock of a tab for as long as the page lives. Whether it was free in time.
  * @param {string} tab
  * @returns {Promise<boolean>}
  */
 function held(tab) {
   return new Promise((resolve) => {
-    void navigator.locks.request(LOCK + tab, { ifAvailable: true }, (lock) => {
-      resolve(lock !== null);
-      return lock === null ? undefined : new Promise(() => {});
-    });
+    const keep = () => {
+      resolve(true);
+      return new Promise(() => {});
+    };
+    const signal = AbortSignal.timeout(PATIENCE);
+    navigator.locks.request(LOCK + tab, { signal }, keep).catch(() => resolve(false));
   });
 }
 

@@ -11,6 +11,8 @@ const KINDS = [
   { value: "open", label: "Open floor with obstacles" },
   { value: "warehouse", label: "Warehouse with shelves" },
 ];
+/** Of a message to the server, with room for what stands round the text. */
+const MOST_BYTES = 2 ** 24 - 4096;
 const ACCEPTED = ".yaml,.yml,.json,.geojson,.map,image/*";
 
 /**
@@ -66,7 +68,7 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
       show(opened, { name: known, path: null, format: /\.json$/i.test(known) ? "json" : "yaml" });
       return true;
     } catch (error) {
-      return told(error, `${name} cannot be opened`);
+      return told(error, `${name} cannot be opened`, name);
     }
   };
 
@@ -74,19 +76,25 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
    * Say why something failed, unless something newer took its place. Always false.
    * @param {any} error
    * @param {string} what
+   * @param {string} [name] of the file, which messages may begin with
    */
-  const told = (error, what) => {
+  const told = (error, what, name = "") => {
     if (error?.name === "Stopped" && error.reason !== "lost") return false;
-    const line = error?.said?.line ? `line ${error.said.line}: ` : "";
-    dialogs.toast(`${what}: ${line}${error?.message ?? error}`, { kind: "bad" });
+    const line = error?.said?.line;
+    const begins = line ? `${name}:${line}: ` : `${name}: `;
+    const text = String(error?.message ?? error);
+    const why = text.startsWith(begins) ? text.slice(begins.length) : text;
+    dialogs.toast(`${what}: ${line ? `line ${line}: ` : ""}${why}`, { kind: "bad" });
     return false;
   };
 
   /** @param {File} file */
   const openFile = async (file) => {
     if (file.type.startsWith("image/")) return void (await layUnder(file, { store, history, dialogs }));
-    const text = await file.text();
-    if (await mayGo()) await openBy("open", { text, name: file.name }, file.name);
+    const text = file.size > MOST_BYTES ? null : await file.text();
+    const size = text === null ? file.size : bytesInMessage(text);
+    if (text === null || size > MOST_BYTES) dialogs.toast(tooLarge(file.name, size), { kind: "bad" });
+    else if (await mayGo()) await openBy("open", { text, name: file.name }, file.name);
   };
 
   /**
@@ -297,6 +305,20 @@ function download(name, text) {
 /** @param {string} path */
 function nameOf(path) {
   return path.split(/[\\/]/).at(-1) ?? path;
+}
+
+/** @param {string} text */
+function bytesInMessage(text) {
+  return new Blob([JSON.stringify(text)]).size;
+}
+
+/**
+ * @param {string} name
+ * @param {number} bytes
+ */
+function tooLarge(name, bytes) {
+  const [has, most] = [Math.ceil(bytes / 1e6), Math.floor(MOST_BYTES / 1e6)];
+  return `${name} is too large: it takes ${has} MB, the studio opens up to ${most} MB.`;
 }
 
 /** @param {string} name of a file */

@@ -98,6 +98,8 @@ export function listenToKeys({ page, tools, choose }) {
     const run = table.get(what);
     if (!run) return undefined;
     event.preventDefault();
+    // What is being typed belongs to what is saved.
+    if (event.target instanceof HTMLInputElement) event.target.blur();
     return run(page);
   };
   const up = (/** @type {KeyboardEvent} */ event) => {

@@ -1,11 +1,12 @@
 // @ts-check
-// Looking around on a board that has no tools: drag to pan, wheel to zoom, double-click to see all.
+// Looking around on a board that has no tools: the gestures of the main board, + and −, and double-click to see all.
 
-import { fitted, panned, zoomedAt } from "studio/camera.js";
+import { fitted, zoomedAt } from "studio/camera.js";
 import { boxOfScene } from "studio/scene.js";
+import { createStore } from "studio/store.js";
+import { createNavigation } from "studio/tool_navigation.js";
 
-/** Factor of a zoom a wheel pixel, logarithmic, and of a press of + or −. */
-const WHEEL = 1 / 400;
+/** Factor of a zoom by key. */
 const PRESS = 1.25;
 
 /**
@@ -19,25 +20,26 @@ export function navigate(canvas, board, camera, scene) {
     const { width, height } = board.window();
     camera.set(fitted(boxOfScene(scene()), width, height));
   };
-  /**
-   * @param {[number, number]} pixel
-   * @param {number} factor
-   */
-  const zoom = (pixel, factor) => camera.set(zoomedAt(board.window(), pixel, factor));
-
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    zoom([event.offsetX, event.offsetY], Math.exp(-event.deltaY * WHEEL));
-  }, { passive: false });
-  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
-  canvas.addEventListener("pointermove", (event) => {
-    if (event.buttons & 1) camera.set(panned(camera.get(), event.movementX, event.movementY));
+  const navigation = createNavigation({
+    canvas,
+    camera,
+    window: board.window,
+    store: createStore({ tool: "pan" }), // every press is for moving about
+    pixelOf: ({ offsetX, offsetY }) => [offsetX, offsetY],
   });
+  canvas.style.touchAction = "none";
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    navigation.down(event);
+  });
+  canvas.addEventListener("pointermove", (event) => navigation.move(event));
+  canvas.addEventListener("pointerup", (event) => navigation.up(event));
+  canvas.addEventListener("pointercancel", (event) => navigation.up(event));
   canvas.addEventListener("dblclick", home);
   canvas.addEventListener("keydown", ({ key }) => {
     const { width, height } = board.window();
-    if (key === "+" || key === "=") zoom([width / 2, height / 2], PRESS);
-    else if (key === "-") zoom([width / 2, height / 2], 1 / PRESS);
+    if (key === "+" || key === "=") camera.set(zoomedAt(board.window(), [width / 2, height / 2], PRESS));
+    else if (key === "-") camera.set(zoomedAt(board.window(), [width / 2, height / 2], 1 / PRESS));
     else if (key === "0") home();
   });
   return { home };

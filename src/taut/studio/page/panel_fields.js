@@ -56,12 +56,13 @@ export function createField(spec, commit = () => null) {
   input.addEventListener("change", finish);
   if (spec.type === "range") input.addEventListener("input", finish);
   input.addEventListener("keydown", (event) => {
-    event.stopPropagation();
+    // In a dialog Enter and Escape are the dialog's: they answer and leave it.
+    if (input.closest("dialog") && !event.key.startsWith("Arrow")) return;
     if (event.key === "Escape") (show(shown), input.blur());
     else if (event.key === "Enter" && spec.type !== "area") finish() && input.select?.();
     else if (spec.type === "number" && stepped(event, input, spec)) finish();
     else return;
-    if (event.key !== "Enter" || !input.closest("dialog")) event.preventDefault();
+    event.preventDefault();
   });
   const node = element("div", { class: `field field-${spec.type}`, "data-field": spec.name },
     element("label", { for: id, class: spec.hideLabel ? "unseen" : "" }, spec.label),

@@ -54,7 +54,7 @@ const short = (value) => writeNumber(value, 3);
 export function createObjects({ store, commands }) {
   const filter = /** @type {HTMLInputElement} */ (
     element("input", { type: "search", placeholder: "Find by name", "aria-label": "Find objects by name",
-      oninput: () => refresh(), onkeydown: (/** @type {KeyboardEvent} */ event) => event.stopPropagation() }));
+      oninput: () => refresh() }));
   const list = element("div", { id: "objects", class: "objects", role: "listbox", tabindex: 0,
     "aria-label": "Objects of the scene", "aria-multiselectable": "true", onkeydown: keyed });
   const none = element("p", { class: "quiet" }, "Nothing here yet: draw an obstacle, or put in a robot.");

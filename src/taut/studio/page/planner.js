@@ -164,7 +164,8 @@ export function createPlanner({ store, link, history }) {
     const { revision } = store.get();
     for (const [id, request] of requests) if (request.revision < revision) requests.delete(id);
     took = [];
-    store.set({ answer: null, timelines: null, planning: Object.freeze({ ...store.get().planning, ...NONE }) });
+    const planning = Object.freeze({ ...store.get().planning, ...NONE });
+    store.set({ answer: null, timelines: null, problems: [], notes: [], planning });
   }
 
   function check() {

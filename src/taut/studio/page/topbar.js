@@ -29,7 +29,7 @@ export function createTopbar({ store, commands, files }) {
   const theme = button("theme", "Theme", commands.nextTheme, "system");
   const help = button("help", "Keys and help (?)", commands.help, "help");
   const out = element("button", { id: "out", type: "button", class: "button", title: `Export (${keyText("mod+e")})`,
-    onclick: commands.out }, icon("out", 16), "Export");
+    onclick: commands.out }, icon("out", 16), element("span", { class: "button-words" }, "Export"));
   const name = element("b", {});
   const dot = element("span", { class: "dot", role: "img", "aria-label": "not saved", title: "Not saved" });
   const modes = MODES.map((mode) => element("button", { type: "button", "data-mode": mode.name, title: mode.title,
@@ -53,7 +53,7 @@ export function createTopbar({ store, commands, files }) {
 
   const start = element("div", {},
     element("span", { class: "brand" }, icon("brand", 20), element("span", { class: "only-wide" }, "taut studio")),
-    menuButton({ id: "file-menu", label: "File", content: ["File", icon("down", 14)].map(asNode),
+    menuButton({ id: "file-menu", label: "File", content: [document.createTextNode("File"), icon("down", 14)],
       items: () => fileItems(files, store) }),
     open, save,
     element("span", { class: "divider" }), undo, redo,
@@ -62,14 +62,11 @@ export function createTopbar({ store, commands, files }) {
   const middle = element("div", {},
     element("div", { class: "segmented", role: "group", "aria-label": "Mode" }, ...modes));
   const end = element("div", { class: "top-end" },
-    menuButton({ id: "view-menu", label: "View", content: [icon("eye", 16), "View", icon("down", 14)].map(asNode),
+    menuButton({ id: "view-menu", label: "View", content: [icon("eye", 16), element("span", { class: "button-words" }, "View"), icon("down", 14)],
       items: () => viewItems(store, commands) }),
     out, theme, help);
   return [start, middle, end];
 }
-
-/** @param {Node | string} part */
-const asNode = (part) => (typeof part === "string" ? document.createTextNode(part) : part);
 
 /** @param {string} id @param {string} label @param {() => void} run @param {string} picture */
 function button(id, label, run, picture) {
