@@ -12,6 +12,7 @@ import page
 import paths
 import simulate
 import startup
+import studio
 import team
 from measure import Report, load, machine
 
@@ -23,6 +24,7 @@ SUITES = {
     "graphs": graphs.TITLES,
     "plans": team.TITLES,
     "simulate": simulate.TITLES,
+    "studio": studio.TITLES,
 }
 """The suites and the titles of their sections, in the order of the page."""
 
@@ -62,7 +64,8 @@ def main() -> None:
     target = words.page or (None if words.quick else PAGE)
     if target is not None:
         titles = [title for of_suite in SUITES.values() for title in of_suite]
-        page.write(target, reports, where, tuple(SUITES), titles)
+        measured = {name: report for name, report in reports.items() if report.tables}
+        page.write(target, measured, where, tuple(SUITES), titles)
         print(f"wrote {target}")
 
 
@@ -78,6 +81,8 @@ def _report(name: str, quick: bool, maps: Path | None) -> Report:
             return graphs.suite(quick)
         case "simulate":
             return simulate.suite(quick)
+        case "studio":
+            return studio.suite(quick)
         case _:
             return team.suite(quick)
 

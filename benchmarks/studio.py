@@ -150,8 +150,8 @@ def frames(browser: Browser, seconds: float) -> Table:
             rows.append(_frames(page, f"{large}: playing", seconds, lambda _: page.wait_for_timeout(100)))
     heads = ("what goes on", "frames", "a second", "median", "95 %", "longest", "above 33 ms", "while planning")
     before = (
-        f"Times between frames of a page of 1280 × 800 pixels during {seconds:g} s. The browser has no graphics card here "
-        "and shares the processor with the planner."
+        f"Times between frames of a page of 1280 × 800 pixels during {seconds:g} s. The browser has no graphics card "
+        "here and shares the processor with the planner."
     )
     notes = (
         "target: 30 frames a second.",

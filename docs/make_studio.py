@@ -9,18 +9,23 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-ROOT = Path(__file__).resolve().parents[1]
-FIGURES = ROOT / "docs" / "figures"
-sys.path.insert(0, str(ROOT / "tests"))
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from studio_page import chromium, running_studio, wait_for, wait_until_ready
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
+FIGURES = Path(__file__).resolve().parent / "figures"
 SIZE = {"width": 1280, "height": 800}
 STATE = "window.studio.store.get()"
 FRESH = f"{STATE}.planning.state === 'fresh'"
+COMPARED = """(() => {
+  const cells = [...document.querySelectorAll(".measures tbody td")];
+  return cells.length > 0 && cells.every(({ textContent }) => textContent !== "–");
+})()"""
 SHUT = """\
 taut: 1
 name: depot
@@ -42,10 +47,15 @@ robots:
 
 def main() -> None:
     """Drive the studio to each view and take its picture."""
+    try:
+        path = chromium()
+    except pytest.skip.Exception as missing:
+        print(f"the pictures of the studio stay as they are: {missing}")
+        return
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         (Path(folder) / "depot.yaml").write_text(SHUT, encoding="utf-8")
         with opened(browser, "thesis-2") as page:
             page.get_by_role("tab", name="Plan").click()
@@ -61,8 +71,7 @@ def main() -> None:
             seek(page, 9.0)
             take(page, "studio-dark")
             page.click("[data-mode=compare]")
-            wait_for(page, "document.querySelectorAll('.measures tbody td').length > 16", 120_000)
-            wait_for(page, "[...document.querySelectorAll('.side-state')].every((side) => side.textContent === '')", 120_000)
+            wait_for(page, COMPARED, 120_000)
             seek(page, 9.0)
             take(page, "studio-compare")
         with opened(browser, "depot.yaml", folder=Path(folder), until=f"{STATE}.planning.state === 'failed'") as page:

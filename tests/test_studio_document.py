@@ -493,7 +493,6 @@ def test_what_is_under_a_point_or_in_a_box_is_found_topmost_first(sheet: Page) -
           nothing: names(scene_hits.hitsAt(yard, [5, 5], 0.1)),
           box: names(scene_hits.refsInBox(yard, [12.3, 4, 15, 11])),
           through: names(scene_hits.refsInBox(yard, [6.9, 7, 7, 7.1])),
-          corner: scene_hits.vertexAt(yard, obstacle("O1"), [8.04, 7], 0.1),
           side: scene_hits.edgeAt(yard, obstacle("wall-09"), [12.05, 9], 0.1),
           off: scene_hits.edgeAt(yard, obstacle("wall-09"), [11, 9], 0.1),
         };
@@ -505,7 +504,6 @@ def test_what_is_under_a_point_or_in_a_box_is_found_topmost_first(sheet: Page) -
     assert found["nothing"] == []
     assert found["box"] == ["obstacle pillar", "goal R1"]
     assert found["through"] == ["obstacle O1"]
-    assert found["corner"] == 1
     assert found["side"] == {"edge": 1, "point": [12, 9]}
     assert found["off"] is None
 

@@ -336,7 +336,7 @@ def test_settings_are_planned_with_and_improving_can_be_stopped(page: Page) -> N
     planned(page)
     page.click("#improve")
     until(page, "window.studio.store.get().planning.improving")
-    until(page, "window.studio.store.get().planning.progress?.cost")
+    until(page, "window.studio.store.get().planning.progress?.cost", 120)
     page.click("#stop")
     until(page, "!window.studio.store.get().planning.running", 20)
     assert state(page, "planning")["state"] == "fresh"

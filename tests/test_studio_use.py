@@ -1,13 +1,10 @@
-"""The studio as users use it, from the empty floor to the file for a colleague: with the mouse, with the keyboard alone,
-and when what it runs on dies under their hands.
-"""
+"""The studio as users use it: from the empty floor to the page for a colleague, by mouse, by keyboard, in crashes."""
 
 from __future__ import annotations
 
 import json
 import os
 import signal
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,7 +17,7 @@ from studio_page import running_studio, wait_for, wait_until_ready
 from taut.formats import scene_to_dict
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, BrowserContext, Page
+    from playwright.sync_api import Browser, BrowserContext, Dialog, Page
 
     from studio_page import RunningStudio
 
@@ -117,8 +114,8 @@ def test_a_floor_is_drawn_planned_changed_and_saved(browser: Browser, tmp_path: 
         draw(page, "robot", part(0.1, 0.1), part(0.9, 0.9))
         draw(page, "robot", part(0.9, 0.1), part(0.1, 0.9))
         wait_for(page, FRESH)
-        kinds = [next(iter(obstacle.keys() - {"name"} - {"radius", "width"})) for obstacle in state(page, "scene.obstacles")]
-        assert kinds == ["polygon", "rectangle", "circle", "line"]
+        kinds = [obstacle.keys() - {"name", "radius", "width"} for obstacle in state(page, "scene.obstacles")]
+        assert kinds == [{"polygon"}, {"rectangle"}, {"circle"}, {"line"}]
         assert state(page, "answer.certificate.ok") is True
 
         # changed with the mouse: moved, a corner more, turned
@@ -305,9 +302,16 @@ VAST = {
 
 
 @pytest.mark.parametrize("scene", [HOSTILE, TINY, VAST], ids=["hostile names", "tiny", "vast"])
-def test_odd_scenes_are_shown_planned_stepped_through_and_sent(page: Page, tmp_path: Path, scene: dict[str, Any]) -> None:
+def test_odd_scenes_are_shown_planned_stepped_through_and_sent(
+    page: Page, tmp_path: Path, scene: dict[str, Any]
+) -> None:
     said: list[str] = []
-    page.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
+
+    def refuse(dialog: Dialog) -> None:
+        said.append(dialog.message)
+        dialog.dismiss()
+
+    page.on("dialog", refuse)
     with page.expect_file_chooser() as chooser:
         page.click("#open")
     chooser.value.set_files({"name": "odd.json", "mimeType": "application/json", "buffer": json.dumps(scene).encode()})
@@ -326,7 +330,7 @@ def test_odd_scenes_are_shown_planned_stepped_through_and_sent(page: Page, tmp_p
         page.click('[data-form="html"]')
     made.value.save_as(tmp_path / "sent.html")
     alone = page.context.new_page()
-    alone.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
+    alone.on("dialog", refuse)
     alone.goto((tmp_path / "sent.html").as_uri())
     alone.wait_for_selector("#scrub:not([disabled])")
     assert "broken out" not in (page.title(), alone.title())

@@ -133,7 +133,7 @@ export function resized(scene, ref, handle, point) {
  * @param {Point} a
  * @param {Point} b
  */
-export function lengthBetween(a, b) {
+function lengthBetween(a, b) {
   const [dx, dy] = [Math.abs(difference(b[0], a[0])), Math.abs(difference(b[1], a[1]))];
   return dx === 0 || dy === 0 ? dx + dy : trimmed(Math.hypot(dx, dy));
 }

@@ -3,8 +3,11 @@
 
 import { Stopped } from "studio/link.js";
 
-/** Milliseconds that an ask may take before a newer one is sent regardless (the server then ends the older). */
-const PATIENCE = 250;
+/**
+ * Milliseconds that an ask may take before a newer one is sent regardless. The server then ends the older, which may cost
+ * it a worker: one that will soon be done, as far as the last one tells, is waited for longer.
+ */
+const [PATIENCE, LONGEST_PATIENCE] = [250, 1000];
 
 /**
  * `start` sends the ask for the state as it is now; `done` gets each answer, `failed` each thing found wrong. An ask
@@ -17,12 +20,14 @@ export function newestOnly({ start, done, failed, ended = () => {} }) {
   let flight = null;
   let waiting = false;
   let timer = 0;
+  let lately = 0; // milliseconds that the last answer took
 
   function want() {
     clearTimeout(timer);
     if (!flight) return go();
     waiting = true;
-    timer = setTimeout(go, Math.max(0, flight.at + PATIENCE - performance.now()));
+    const patience = Math.min(Math.max(PATIENCE, 1.5 * lately), LONGEST_PATIENCE);
+    timer = setTimeout(go, Math.max(0, flight.at + patience - performance.now()));
     return undefined;
   }
 
@@ -40,7 +45,10 @@ export function newestOnly({ start, done, failed, ended = () => {} }) {
       if (newest && waiting) go();
     };
     asked.promise.then(
-      (ok) => land(() => done(ok, asked)),
+      (ok) => land(() => {
+        lately = performance.now() - mine.at;
+        done(ok, asked);
+      }),
       (error) => land(() => {
         if (!(error instanceof Stopped)) failed(error, asked);
         else if (error.reason !== "newer") ended(error.reason);

@@ -43,22 +43,6 @@ export function refsInBox(scene, box) {
 }
 
 /**
- * The nearest corner of a thing within reach, or −1.
- * @param {Scene} scene
- * @param {Ref} ref
- * @param {Point} point
- * @param {number} reach metres
- */
-export function vertexAt(scene, ref, point, reach) {
-  let [nearest, least] = [-1, reach];
-  verticesOf(scene, ref).forEach((vertex, k) => {
-    const distance = Math.hypot(vertex[0] - point[0], vertex[1] - point[1]);
-    if (distance <= least) [nearest, least] = [k, distance];
-  });
-  return nearest;
-}
-
-/**
  * The nearest side of a thing within reach, and the point of it nearest to the one asked for.
  * @param {Scene} scene
  * @param {Ref} ref
@@ -76,7 +60,7 @@ export function edgeAt(scene, ref, point, reach) {
  * @param {Obstacle} obstacle
  * @param {Point} point
  */
-export function distanceTo(obstacle, point) {
+function distanceTo(obstacle, point) {
   const outline = outlineOf(obstacle);
   if (obstacle.circle) {
     return Math.max(0, Math.hypot(point[0] - outline[0][0], point[1] - outline[0][1]) - ownRadius(obstacle));

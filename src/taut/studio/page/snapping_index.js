@@ -1,5 +1,5 @@
 // @ts-check
-// Where the corners and sides of a scene are, for snapping: two buckets grids and two sorted lists, made once a scene.
+// Where the corners and sides of a scene are, for snapping: two grids of cells and two sorted lists, made once a scene.
 
 import { outlineOf, workspaceRing } from "studio/scene.js";
 

@@ -9,7 +9,7 @@ const SERVER_WORDS = /** @type {Record<string, string>} */ ({
   gone: "server gone",
 });
 
-const CLOCK = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit" });
+const CLOCK = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit" });
 
 /**
  * Fill the status line.

@@ -28,7 +28,7 @@ export function createTopbar({ store, commands, files }) {
   const open = button("open", `Open (${keyText("mod+o")})`, () => files.open(), "open");
   const theme = button("theme", "Theme", commands.nextTheme, "system");
   const help = button("help", "Keys and help (?)", commands.help, "help");
-  const out = element("button", { id: "out", type: "button", class: "button", title: `Export (${keyText("mod+e")})`,
+  const out = element("button", { id: "out", type: "button", class: "button", "aria-label": "Export", title: `Export (${keyText("mod+e")})`,
     onclick: commands.out }, icon("out", 16), element("span", { class: "button-words" }, "Export"));
   const name = element("b", {});
   const dot = element("span", { class: "dot", role: "img", "aria-label": "not saved", title: "Not saved" });
