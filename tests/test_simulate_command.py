@@ -170,7 +170,7 @@ def test_an_interrupted_study_writes_what_it_has(taut: Command, monkeypatch: pyt
     def interrupted(*given: Any, tell: Callable[[int], None], **more: Any) -> Any:
         def stop(done: int) -> None:
             tell(done)
-            if done == 4:
+            if done == 100:
                 raise KeyboardInterrupt
 
         return whole(*given, **{**more, "tell": stop})
@@ -179,7 +179,7 @@ def test_an_interrupted_study_writes_what_it_has(taut: Command, monkeypatch: pyt
     said = taut("simulate", "plan.json", "--seeds", "1000", "-o", "study.json")
     assert said.code == 130
     made = json.loads(Path("study.json").read_text())["count"]
-    assert 3 <= made <= 8
+    assert 1 <= made <= 101 + (os.cpu_count() or 1)
     assert f"interrupted: {made} of 1000 runs were made" in said.err
 
 

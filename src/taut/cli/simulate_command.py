@@ -4,65 +4,57 @@ from __future__ import annotations
 
 import json
 import math
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from taut.cli import INTERRUPTED
-from taut.cli.options import AnimateOption, FigureOption, named_numbers
+from taut.cli.options import AnimateOption, FigureOption
 from taut.cli.output import about, complain, progress, require_writable, say, say_error, say_facts, say_json
 from taut.cli.pictures import require_pictures
 from taut.cli.tables import say_table
+from taut.cli.vehicle_options import (
+    FEW_ROBOTS,
+    MISSING,
+    DiesOption,
+    HeadingNoiseOption,
+    PositionNoiseOption,
+    RobotsOption,
+    SlipOption,
+    SlowOption,
+    SpeedErrorOption,
+    StepOption,
+    StopSecondsOption,
+    StopsOption,
+    VehicleKind,
+    VehicleOption,
+    disturbances,
+)
 
 if TYPE_CHECKING:
     from taut.motion import Plan
     from taut.simulation import Disturbances, Lidar, Run, Study
 
-FEW_ROBOTS = 10  # of more only the worst are told without being asked for
-MISSING = "–"
-
-
-class VehicleKind(StrEnum):
-    """What the robots drive."""
-
-    differential = "differential"
-    unicycle = "unicycle"
-    ackermann = "ackermann"
-    integrator = "integrator"
-
 
 def simulate(
     plan: Annotated[str, typer.Argument(metavar="PLAN", help="A plan file.")],
-    vehicle: Annotated[VehicleKind, typer.Option(help="What the robots drive.")] = VehicleKind.differential,
+    vehicle: VehicleOption = VehicleKind.differential,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random; of a study the first.")] = 0,
     no_coordination: Annotated[
         bool, typer.Option("--no-coordination", help="Robots keep to the clock, whoever is late.")
     ] = False,
-    speed_error: Annotated[
-        float, typer.Option(metavar="E", help="Each robot's speed is wrong by up to so much of it, like 0.2.")
-    ] = 0.0,
-    stops: Annotated[float, typer.Option(metavar="RATE", help="Random stops of each robot a second.")] = 0.0,
-    stop_seconds: Annotated[float, typer.Option(metavar="S", help="Mean length of a random stop.")] = 2.0,
-    slow: Annotated[
-        list[str] | None, typer.Option(metavar="NAME@F", help="A robot that reaches only F of its top speed, like 0.5.")
-    ] = None,
-    dies: Annotated[
-        list[str] | None, typer.Option(metavar="NAME@T", help="A robot that stops for good at T seconds.")
-    ] = None,
-    position_noise: Annotated[
-        float, typer.Option(metavar="M", help="Robots know their place up to so much (σ, metres).")
-    ] = 0.0,
-    heading_noise: Annotated[
-        float, typer.Option(metavar="RAD", help="Robots know their heading up to so much (σ, radians).")
-    ] = 0.0,
-    slip: Annotated[float, typer.Option(metavar="S", help="Wheels slip by so much of their speed (σ).")] = 0.0,
+    speed_error: SpeedErrorOption = 0.0,
+    stops: StopsOption = 0.0,
+    stop_seconds: StopSecondsOption = 2.0,
+    slow: SlowOption = None,
+    dies: DiesOption = None,
+    position_noise: PositionNoiseOption = 0.0,
+    heading_noise: HeadingNoiseOption = 0.0,
+    slip: SlipOption = 0.0,
     lidar: Annotated[bool, typer.Option("--lidar", help="Robots look around with 181 beams over 180°, 10 m.")] = False,
-    step: Annotated[float, typer.Option(metavar="S", help="Seconds of a step.")] = 0.02,
-    robots: Annotated[
-        bool, typer.Option("--robots", help=f"Tell of every robot, also of more than {FEW_ROBOTS}.")
-    ] = False,
+    step: StepOption = 0.02,
+    robots: RobotsOption = False,
     after: Annotated[
         Path | None, typer.Option(metavar="SCENE", help="Write the scene as it stands at the end, to plan on from.")
     ] = None,
@@ -89,18 +81,9 @@ def simulate(
     require_pictures(figure, animate, False, never)
 
     from taut.formats import load_plan
-    from taut.simulation import Disturbances, Lidar
+    from taut.simulation import Lidar
 
-    met = Disturbances(
-        speed_error=speed_error,
-        stops=stops,
-        stop_seconds=stop_seconds,
-        slow=named_numbers(slow, "--slow"),
-        dies=named_numbers(dies, "--dies"),
-        position_noise=position_noise,
-        heading_noise=heading_noise,
-        slip=slip,
-    )
+    met = disturbances(speed_error, stops, stop_seconds, slow, dies, position_noise, heading_noise, slip)
     followed = load_plan(plan)
     if seeds is not None:
         _study(plan, followed, vehicle, seed, seeds, met, not no_coordination, step, probability, output, as_json)

@@ -11,11 +11,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from taut.cli.options import AnimateOption, FigureOption, JsonOption, SceneArgument, named_numbers
+from taut.cli.options import AnimateOption, FigureOption, JsonOption, SceneArgument
 from taut.cli.output import about, complain, progress, say, say_facts, say_json
 from taut.cli.pictures import require_pictures
-from taut.cli.simulate_command import FEW_ROBOTS, MISSING, VehicleKind
 from taut.cli.tables import say_table
+from taut.cli.vehicle_options import (
+    FEW_ROBOTS,
+    MISSING,
+    DiesOption,
+    HeadingNoiseOption,
+    PositionNoiseOption,
+    RobotsOption,
+    SlipOption,
+    SlowOption,
+    SpeedErrorOption,
+    StepOption,
+    StopSecondsOption,
+    StopsOption,
+    VehicleKind,
+    VehicleOption,
+    disturbances,
+)
 
 if TYPE_CHECKING:
     from taut.control import Field, Links
@@ -51,27 +67,17 @@ def steer(
     leader: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="A robot that stands and leads; by default the first.")
     ] = None,
-    vehicle: Annotated[VehicleKind, typer.Option(help="What the robots drive.")] = VehicleKind.differential,
+    vehicle: VehicleOption = VehicleKind.differential,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
-    speed_error: Annotated[
-        float, typer.Option(metavar="E", help="Each robot's speed is wrong by up to so much of it, like 0.2.")
-    ] = 0.0,
-    stops: Annotated[float, typer.Option(metavar="RATE", help="Random stops of each robot a second.")] = 0.0,
-    stop_seconds: Annotated[float, typer.Option(metavar="S", help="Mean length of a random stop.")] = 2.0,
-    slow: Annotated[
-        list[str] | None, typer.Option(metavar="NAME@F", help="A robot that reaches only F of its top speed, like 0.5.")
-    ] = None,
-    dies: Annotated[
-        list[str] | None, typer.Option(metavar="NAME@T", help="A robot that stops for good at T seconds.")
-    ] = None,
-    position_noise: Annotated[
-        float, typer.Option(metavar="M", help="Robots know their place up to so much (σ, metres).")
-    ] = 0.0,
-    heading_noise: Annotated[
-        float, typer.Option(metavar="RAD", help="Robots know their heading up to so much (σ, radians).")
-    ] = 0.0,
-    slip: Annotated[float, typer.Option(metavar="S", help="Wheels slip by so much of their speed (σ).")] = 0.0,
-    step: Annotated[float, typer.Option(metavar="S", help="Seconds of a step.")] = 0.02,
+    speed_error: SpeedErrorOption = 0.0,
+    stops: StopsOption = 0.0,
+    stop_seconds: StopSecondsOption = 2.0,
+    slow: SlowOption = None,
+    dies: DiesOption = None,
+    position_noise: PositionNoiseOption = 0.0,
+    heading_noise: HeadingNoiseOption = 0.0,
+    slip: SlipOption = 0.0,
+    step: StepOption = 0.02,
     seconds: Annotated[float, typer.Option(metavar="S", help="How long the team may take to settle.")] = 60.0,
     settled: Annotated[
         float | None,
@@ -80,9 +86,7 @@ def steer(
             help="Settled is who is asked for less than F of its speed; 0.01, with trucks 0.05, by default.",
         ),
     ] = None,
-    robots: Annotated[
-        bool, typer.Option("--robots", help=f"Tell of every robot, also of more than {FEW_ROBOTS}.")
-    ] = False,
+    robots: RobotsOption = False,
     figure: FigureOption = None,
     animate: AnimateOption = None,
     as_json: JsonOption = False,
@@ -92,19 +96,9 @@ def steer(
     require_pictures(figure, animate, False, Path(scene))
 
     from taut.formats import load_scene
-    from taut.simulation import Disturbances
     from taut.simulation import steer as follow
 
-    met = Disturbances(
-        speed_error=speed_error,
-        stops=stops,
-        stop_seconds=stop_seconds,
-        slow=named_numbers(slow, "--slow"),
-        dies=named_numbers(dies, "--dies"),
-        position_noise=position_noise,
-        heading_noise=heading_noise,
-        slip=slip,
-    )
+    met = disturbances(speed_error, stops, stop_seconds, slow, dies, position_noise, heading_noise, slip)
     world = load_scene(scene)
     places = _places(world, offset)
     field = _law(law, world, reach, places, leader)

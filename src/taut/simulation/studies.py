@@ -162,11 +162,15 @@ def study(
     trials: dict[int, Trial] = {}
 
     def run(first: int, last: int) -> None:
-        driven = drive(setting, met, given[first], until, 0, given_up=given_up)
-        with lock:
-            trials[first] = _trial(given[first], driven)
-            if tell is not None:
-                tell(len(trials))
+        try:
+            driven = drive(setting, met, given[first], until, 0, given_up=given_up)
+            with lock:
+                trials[first] = _trial(given[first], driven)
+                if tell is not None:
+                    tell(len(trials))
+        except BaseException:
+            given_up.set()  # the other threads are waited for
+            raise
 
     def found(count: int) -> Study:
         runs = tuple(trials[k] for k in range(count))

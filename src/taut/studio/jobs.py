@@ -133,7 +133,8 @@ def _text(ask: messages.Text, scene: Scene, tell: Tell) -> Data:
 def _export(ask: messages.Export, scene: Scene, tell: Tell) -> Data:
     from taut.studio import answers, exports
 
-    return exports.export(scene if ask.plan is None else answers.plan_of(scene, ask.plan), ask.form, ask.options)
+    value = scene if ask.plan is None else answers.plan_of(scene, ask.plan)
+    return exports.export(value, ask.form, ask.options.model_dump())
 
 
 def _snippet(ask: messages.Snippet, scene: None, tell: Tell) -> Data:

@@ -150,6 +150,14 @@ class Save(AboutScene):
     drop_comments: bool = False
 
 
+class ExportOptions(_Strict):
+    """What an export shows beside the motions: contact within metres, if not broken by obstacles; conflicts (html)."""
+
+    reach: Metres | None = None
+    sight: bool = False
+    conflicts: list[Data] = Field(default_factory=list)
+
+
 class Export(AboutScene):
     """Ask for a scene or plan as a file to take away."""
 
@@ -158,7 +166,7 @@ class Export(AboutScene):
     ask: Literal["export"]
     plan: Data | None = None
     form: Literal["plan", "scene-yaml", "scene-json", "png", "svg", "gif", "mp4", "html"]
-    options: Data = Field(default_factory=dict)
+    options: ExportOptions = ExportOptions()
 
 
 class Snippet(Ask):

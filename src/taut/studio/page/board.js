@@ -27,7 +27,7 @@ const PAINTED = [
  * @param {number} [ratio]
  * @returns {View}
  */
-export function viewOf(state, camera, width, height, ratio = 1) {
+function viewOf(state, camera, width, height, ratio = 1) {
   return {
     state,
     camera,

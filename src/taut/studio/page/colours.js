@@ -10,7 +10,7 @@
  */
 
 /** One hue a robot, told apart also by people with protanopia, deuteranopia or tritanopia. */
-export const HUES = Object.freeze([
+const HUES = Object.freeze([
   "#e08e00", "#332288", "#c2188b", "#009e73", "#222222", "#3ba3d8", "#5a3215", "#cc79a7", "#5f7a1f", "#0072b2",
 ]);
 
@@ -18,7 +18,7 @@ export const HUES = Object.freeze([
 const STEPS = /** @type {[string, number][]} */ ([["#ffffff", 0], ["#ffffff", 0.38], ["#000000", 0.38]]);
 
 /** Every colour a robot can have on light paper, in order; then again from the first. */
-export const ROBOT_CYCLE = Object.freeze(
+const ROBOT_CYCLE = Object.freeze(
   STEPS.flatMap(([towards, share]) => HUES.map((hue) => mix(hue, towards, share))));
 
 const LIGHT = {
@@ -79,15 +79,6 @@ export function coloursOf(theme) {
  */
 export function isDark(theme) {
   return theme === "dark" || (theme !== "light" && matchMedia("(prefers-color-scheme: dark)").matches);
-}
-
-/**
- * The colour of a robot by its number in the scene.
- * @param {number} k
- * @param {unknown} theme
- */
-export function robotColour(k, theme) {
-  return coloursOf(theme).robot(k);
 }
 
 /**

@@ -8,6 +8,7 @@ import { Wrong } from "studio/link.js";
 import { makespanOf, motionsOf, stretchesOf } from "studio/motion.js";
 import { navigate } from "studio/navigating.js";
 import { createSettingsForm } from "studio/plan_settings.js";
+import { comparedSettings } from "studio/planner_settings.js";
 import { createStore } from "studio/store.js";
 
 /** What the two boards share with the page. */
@@ -22,7 +23,7 @@ const OTHER = Object.freeze({ method: "repair", rounds: 40 });
  */
 
 /** @type {Measure[]} */
-export const MEASURES = [
+const MEASURES = [
   { label: "Sum of costs", unit: "s", better: -1, of: (answer) => answer.metrics.sum_of_costs },
   { label: "Makespan", unit: "s", better: -1, of: (answer) => answer.metrics.makespan },
   { label: "Length", unit: "m", better: -1, of: (answer) => answer.metrics.length },
@@ -103,31 +104,44 @@ function createSide(name, store, link, camera, layers) {
   let timer;
   /** @type {any} */
   let asked = null;
+  /** @type {import("studio/link.js").Asked | null} */
+  let running = null;
 
   async function plan() {
     const { scene, revision, compare } = store.get();
-    if (asked?.scene === scene && asked.settings === compare[name]) return;
-    const fields = { scene, settings: compare[name] };
-    asked = fields;
+    if (asked?.scene === scene && asked.chosen === compare[name]) return;
+    const mine = { scene, chosen: compare[name] };
+    asked = mine;
     words.textContent = "planning…";
+    running = link.ask("plan", { scene, settings: comparedSettings(mine.chosen) }, { lane: name });
     try {
-      const found = await link.ask("plan", fields, { lane: name }).promise;
-      if (asked !== fields) return;
+      const found = await running.promise;
+      if (asked !== mine) return;
+      running = null;
       own.set({ answer: Object.freeze({ ...found, scene, revision }), planning: { state: "fresh" } });
       words.textContent = "";
     } catch (error) {
-      if (asked !== fields) return;
-      asked = null;
+      if (asked !== mine) return;
+      asked = running = null;
       own.set({ answer: null, planning: { state: "failed" } });
       words.textContent = error instanceof Wrong ? error.message : "not planned: the server did not answer";
     }
   }
 
+  /** Nobody looks any more: what is under way is given up, and asked for again when somebody does. */
+  function stop() {
+    if (!running) return;
+    running.cancel();
+    asked = running = null;
+    words.textContent = "";
+  }
+
   store.on(SHARED, (state) => own.set(Object.fromEntries(SHARED.map((key) => [key, state[key]]))));
   store.on(["scene", "compare", "mode"], ({ mode, compare }) => {
-    if (mode !== "compare" || !compare) return;
-    summary.textContent = inWords(compare[name]);
     clearTimeout(timer);
+    if (mode !== "compare") stop();
+    if (mode !== "compare" || !compare) return;
+    summary.textContent = inWords(comparedSettings(compare[name]));
     timer = setTimeout(plan, QUIET);
   });
   return {
@@ -185,9 +199,7 @@ function shown(value) {
 
 /** @param {any} answer */
 function aboveBound({ metrics }) {
-  const bound = metrics.lower_bound?.value;
-  const cost = metrics.lower_bound?.of === "makespan" ? metrics.makespan : metrics.sum_of_costs;
-  return bound > 0 ? 100 * (cost / bound - 1) : null;
+  return metrics.above === null ? null : 100 * metrics.above;
 }
 
 /** @param {any} answer */

@@ -1,7 +1,8 @@
 // @ts-check
 // Scenes from files, ready ones and random ones, and back into files; nothing unsaved goes without a question.
 
-import { boxOfScene, deepFreeze, emptyScene } from "studio/scene.js";
+import { deepFreeze, emptyScene } from "studio/scene.js";
+import { download } from "studio/download.js";
 import { chooseReady } from "studio/files_ready.js";
 import { layUnder } from "studio/underlay_panel.js";
 
@@ -82,7 +83,7 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
     if (error?.name === "Stopped" && error.reason !== "lost") return false;
     const line = error?.said?.line;
     const begins = line ? `${name}:${line}: ` : `${name}: `;
-    const text = String(error?.message ?? error);
+    const text = error?.name === "Stopped" ? "the server did not answer" : String(error?.message ?? error);
     const why = text.startsWith(begins) ? text.slice(begins.length) : text;
     dialogs.toast(`${what}: ${line ? `line ${line}: ` : ""}${why}`, { kind: "bad" });
     return false;
@@ -116,9 +117,12 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
     try {
       const fields = { scene, stamp: file.stamp, ...insist };
       const { saved, stamp } = await link.ask("save", fields, { lane: "save" }).promise;
-      store.set({ file: { ...store.get().file, stamp } });
-      history.markSaved(scene);
-      drafts.flush();
+      if (store.get().file?.path === file.path) {
+        // Else another document was opened meanwhile, about which this says nothing.
+        store.set({ file: { ...store.get().file, stamp } });
+        history.markSaved(scene);
+        drafts.flush();
+      }
       dialogs.toast(`Saved ${nameOf(saved)}`, { kind: "good", seconds: 2 });
       return true;
     } catch (error) {
@@ -176,7 +180,8 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
       const text = up
         ? (await link.ask("text", { scene, format }, { lane: "save" }).promise).text
         : `${JSON.stringify(scene, null, 1)}\n`;
-      download(`${stemOf(file?.name || scene.name || "scene")}.${up ? format : "json"}`, text);
+      const name = `${stemOf(file?.name || scene.name || "scene")}.${up ? format : "json"}`;
+      download({ name, type: "text/plain;charset=utf-8", text });
       // What was named at the start is not saved by a download; anything else now is in a file of the user's.
       if (!file?.path) history.markSaved(scene);
       return true;
@@ -288,19 +293,6 @@ export function createFiles({ store, history, link, dialogs, drafts, showPlan })
 }
 
 /** @typedef {ReturnType<typeof createFiles>} Files */
-
-/**
- * Give the browser a file to keep.
- * @param {string} name
- * @param {string} text
- */
-function download(name, text) {
-  const url = URL.createObjectURL(new Blob([text], { type: "text/plain;charset=utf-8" }));
-  const anchor = document.createElement("a");
-  [anchor.href, anchor.download] = [url, name];
-  anchor.click();
-  setTimeout(() => URL.revokeObjectURL(url), 60_000);
-}
 
 /** @param {string} path */
 function nameOf(path) {

@@ -71,9 +71,6 @@ const ICONS = /** @type {Record<string, string[]>} */ ({
   ],
 });
 
-/** @returns {string[]} the names of all icons */
-export const iconNames = () => Object.keys(ICONS);
-
 /**
  * Draw an icon in the colour of the text around it.
  * @param {string} name

@@ -24,7 +24,6 @@ export class Stopped extends Error {
 
 const FIRST_PAUSE = 250; // milliseconds before the first try to come back; each next one is twice as long
 const LONGEST_PAUSE = 4000;
-const TOKEN_KEY = "taut-studio-token";
 /** Bytes that one message may have. */
 const LONGEST = 16 << 20;
 
@@ -36,13 +35,10 @@ const LONGEST = 16 << 20;
  *   reject: (error: Error) => void, sent: boolean}} Pending
  */
 
-/** The address of the link of this page, with the token that its address or this tab has. */
-export function linkAddress() {
-  const given = new URLSearchParams(location.search).get("token");
-  if (given) sessionStorage.setItem(TOKEN_KEY, given);
-  const token = given ?? sessionStorage.getItem(TOKEN_KEY) ?? "";
-  const scheme = location.protocol === "https:" ? "wss" : "ws";
-  return `${scheme}://${location.host}/link?token=${encodeURIComponent(token)}`;
+/** The address of the link of this page, with the token that its own address has. */
+function linkAddress() {
+  const token = new URLSearchParams(location.search).get("token") ?? "";
+  return `ws://${location.host}/link?token=${encodeURIComponent(token)}`;
 }
 
 /**

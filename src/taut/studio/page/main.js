@@ -130,7 +130,7 @@ store.on(["opened"], commands.fit);
 link.on("state", (state) => store.set({ server: Object.freeze({ state, message: "" }) }));
 link.on("down", ({ refused }) => store.set({ server: Object.freeze({ state: "gone", refused, message: "" }) }));
 link.on("hello", (hello) => {
-  store.set({ server: Object.freeze({ state: hello.state ?? "warming", message: "" }), hello });
+  store.set({ server: Object.freeze({ state: "warming", message: "" }), hello });
   files.begin(hello);
 });
 

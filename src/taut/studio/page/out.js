@@ -4,12 +4,14 @@
 import { announce } from "studio/announce.js";
 import { modal, toast } from "studio/dialogs.js";
 import { element } from "studio/dom.js";
+import { download } from "studio/download.js";
 import { icon } from "studio/icons.js";
 import { Stopped, Wrong } from "studio/link.js";
+import { liveSettings } from "studio/planner_settings.js";
 import { contactOf } from "studio/timelines_asking.js";
 
 /** Forms of export: [form, name, what it is, whether it needs a plan]. */
-export const FORMS = /** @type {[string, string, string, boolean][]} */ ([
+const FORMS = /** @type {[string, string, string, boolean][]} */ ([
   ["scene-yaml", "Scene, YAML", "the map and the robots, to read and to edit", false],
   ["scene-json", "Scene, JSON", "the same for programs", false],
   ["plan", "Plan", "motions with certificate, for taut verify and simulate", true],
@@ -51,9 +53,9 @@ export function openOut(store, link) {
   showSnippets();
 
   async function showSnippets() {
-    const { settings } = store.get();
     const name = sourceOf(store.get());
-    const found = await link.ask("snippet", { settings: answer?.settings ?? settings, name }).promise.catch(() => null);
+    const settings = fresh && answer.sent ? repeating(answer) : liveSettings(store.get().settings);
+    const found = await link.ask("snippet", { settings, name }).promise.catch(() => null);
     if (found) {
       command.show(found.command);
       python.show(found.python);
@@ -87,27 +89,26 @@ export function openOut(store, link) {
 }
 
 /**
+ * The settings that make a plan again: time makes no two plans the same, the rounds that were done in it do.
+ * @param {any} answer
+ * @returns {import("studio/planner_settings.js").Settings}
+ */
+function repeating({ sent, plan }) {
+  const { seconds, ...others } = sent;
+  const rounds = plan.planner?.rounds;
+  return seconds && rounds > 0 ? { ...others, rounds } : sent;
+}
+
+/**
  * What a command reads to plan this scene: its file, or the name of the ready scene that it still is.
  * @param {Record<string, any>} state
  * @returns {string}
  */
-export function sourceOf({ file, hello }) {
+function sourceOf({ file, hello }) {
   const name = file?.path ?? file?.name ?? "scene.yaml";
   const stem = name.replace(/\.ya?ml$/, "");
   const ready = !file?.path && !file?.dirty && hello?.ready?.some((/** @type {any} */ one) => one.name === stem);
   return ready ? stem : name;
-}
-
-/**
- * Hand a file to the browser's downloads.
- * @param {{name: string, type: string, text?: string, base64?: string}} file
- */
-export function download({ name, type, text, base64 }) {
-  const bytes = text ?? Uint8Array.from(atob(base64 ?? ""), (letter) => letter.charCodeAt(0));
-  const address = URL.createObjectURL(new Blob([bytes], { type }));
-  const anchor = /** @type {HTMLAnchorElement} */ (element("a", { href: address, download: name }));
-  anchor.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
 /**

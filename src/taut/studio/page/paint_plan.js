@@ -192,17 +192,3 @@ function paintConflicts(context, view, conflicts, now) {
     context.restore();
   }
 }
-
-/**
- * The conflict whose mark is at a place on the screen, null if there is none.
- * @param {any} view
- * @param {number} px
- * @param {number} py
- */
-export function conflictAt(view, px, py) {
-  const { show, answer } = view.state;
-  if (show?.conflicts === false) return null;
-  const near = (answer?.conflicts ?? []).filter((/** @type {any} */ { place: [x, y] }) =>
-    Math.hypot(view.x(x) - px, view.y(y) - py) <= 8);
-  return near.at(-1) ?? null;
-}

@@ -61,7 +61,7 @@ const shown = new WeakMap();
  * @param {{base: any[], points: number[][][], list: any[], index: number}} steps
  * @returns {any[]}
  */
-export function shownMarks({ base, points, list, index }) {
+function shownMarks({ base, points, list, index }) {
   const known = shown.get(list);
   if (known?.index === index) return known.marks;
   let first = index;
@@ -253,7 +253,7 @@ function words(context, { colours }, text, px, py) {
  * @param {import("studio/colours.js").Colours} colours
  * @param {number} value
  */
-export function diverging(colours, value) {
+function diverging(colours, value) {
   const { sideA, sideB, middle } = SIDES[colours.dark ? "dark" : "light"];
   return mix(middle, value < 0 ? sideA : sideB, 0.25 + 0.75 * Math.min(Math.abs(value), 1));
 }

@@ -16,13 +16,13 @@ const SHAPE_ICONS = { polygon: "polygon", rectangle: "rectangle", circle: "circl
  * What a screen reader says of an obstacle: "Obstacle O3, rectangle 2 by 1 metres at 3, 4".
  * @param {any} obstacle
  */
-export function obstacleWords(obstacle) {
+function obstacleWords(obstacle) {
   const [x, y] = middle(obstacle);
   return `Obstacle ${obstacle.name}, ${shapeWords(obstacle)} at ${short(x)}, ${short(y)}`;
 }
 
 /** @param {any} robot */
-export function robotWords(robot) {
+function robotWords(robot) {
   const [[a, b], [c, d]] = [robot.start, robot.goal];
   const way = `from ${short(a)}, ${short(b)} to ${short(c)}, ${short(d)}`;
   return `Robot ${robot.name}, radius ${short(robot.radius)} metres, ${way}`;

@@ -16,7 +16,7 @@ import { boxOf, called, isRing, obstacleNamed, robotNamed, shapeOf, verticesOf }
  * @typedef {{ref: Ref, count: number, ring: boolean, fewest: number}} Corners
  */
 
-export const DEGREE = Math.PI / 180;
+const DEGREE = Math.PI / 180;
 const AT_GOAL = [{ value: "stay", label: "stays there" }, { value: "leave", label: "leaves" }];
 const KIND_WORDS = { polygon: "Polygon", rectangle: "Rectangle", circle: "Circle", line: "Wall" };
 

@@ -206,7 +206,7 @@ function spot(text, time, run, hover = () => {}) {
 }
 
 /** @param {number} value three to four digits that mean something */
-export function figure(value) {
+function figure(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
   const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : 3;

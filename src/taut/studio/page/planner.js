@@ -15,8 +15,8 @@ const KEPT_LATENCIES = 2000;
 const NONE = { state: "idle", progress: null, wrong: null, seconds: null };
 
 /**
- * @typedef {{revision: number, scene: any, settings: Record<string, any>, improved: boolean, at: number,
- *   moved: number | null}} Request
+ * @typedef {{revision: number, scene: any, settings: Record<string, any>, sent: Record<string, any>, improved: boolean,
+ *   at: number, moved: number | null}} Request settings: those of the page; sent: those of them that were planned with
  */
 
 /**
@@ -46,9 +46,10 @@ export function createPlanner({ store, link, history }) {
     start() {
       const { scene, revision, settings } = store.get();
       const improved = improving;
-      const asked = link.ask("plan", { scene, settings: improved ? improveSettings(settings) : liveSettings(settings) },
+      const sent = improved ? improveSettings(settings) : liveSettings(settings);
+      const asked = link.ask("plan", { scene, settings: sent },
         { lane: "plan", progress: (said) => requests.has(asked.id) && tell({ progress: said }) });
-      requests.set(asked.id, { revision, scene, settings, improved, at: performance.now(), moved });
+      requests.set(asked.id, { revision, scene, settings, sent, improved, at: performance.now(), moved });
       moved = null;
       tell({ id: asked.id, running: true, improving: improved, progress: null, began: performance.now() });
       return asked;
@@ -102,10 +103,10 @@ export function createPlanner({ store, link, history }) {
   /** @param {Request} request @param {any} ok @param {number} seconds */
   function show(request, ok, seconds) {
     clearTimeout(staleTimer);
-    const { scene, revision, settings, improved } = request;
+    const { scene, revision, settings, sent, improved } = request;
     const newest = isNewest(request);
     store.set({
-      answer: Object.freeze({ ...ok, scene, revision, settings, improved }),
+      answer: Object.freeze({ ...ok, scene, revision, settings, sent, improved }),
       planning: Object.freeze({ ...store.get().planning, state: newest ? "fresh" : "planning", wrong: null, revision,
         seconds, progress: null }),
     });

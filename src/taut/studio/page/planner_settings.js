@@ -1,12 +1,12 @@
 // @ts-check
-// Which settings go with which: what live planning runs, and what Improve runs.
+// Which settings go with which: what live planning runs, what Improve runs, and what a comparison runs.
 
 /** @typedef {Record<string, any>} Settings */
 
 /** Methods that go on until a budget ends them; live planning takes the quick one in their place. */
 const LONG = ["repair", "optimal"];
 
-/** Seconds that Improve takes where the user set neither rounds nor seconds. */
+/** Seconds that Improve and comparisons take where the user set neither rounds nor seconds. */
 export const IMPROVE_SECONDS = 10;
 
 /**
@@ -44,6 +44,16 @@ export function improveSettings(settings) {
   const method = settings.method === "prioritized" ? "repair" : settings.method;
   const budget = settings.rounds || settings.seconds ? {} : { seconds: IMPROVE_SECONDS };
   return meant({ ...settings, ...budget, method });
+}
+
+/**
+ * What a side of the comparison asks for: the method as chosen, and an end for those that need one.
+ * @param {Settings} settings
+ * @returns {Settings}
+ */
+export function comparedSettings(settings) {
+  const endless = LONG.includes(settings.method) && !settings.rounds && !settings.seconds;
+  return meant(endless ? { ...settings, seconds: IMPROVE_SECONDS } : settings);
 }
 
 /**

@@ -7,8 +7,8 @@ import { makespanOf, motionsOf } from "studio/motion.js";
 import { nameAt, paintChart, paintRows, ROW } from "studio/paint_timelines.js";
 
 /** Pixels kept free at the left for names and at the right. */
-export const LEFT = 92;
-export const RIGHT = 12;
+const LEFT = 92;
+const RIGHT = 12;
 const CHART = 64;
 
 /**

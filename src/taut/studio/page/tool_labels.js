@@ -97,7 +97,7 @@ export function cornerLabels(scene, ref) {
  * An angle in degrees with at most one digit after the point.
  * @param {number} radians
  */
-export function angleText(radians) {
+function angleText(radians) {
   const degrees = Math.round((radians * 1800) / Math.PI) / 10;
   return `${String(degrees === 0 ? 0 : degrees).replace("-", "−")}°`;
 }
