@@ -39,7 +39,7 @@ from taut.simulation import (
     tracking_margin,
     with_margin,
 )
-from taut.simulation._loop_kernels import hashed, normal
+from taut.simulation._chance_kernels import hashed, normal
 from taut.simulation._nearness_kernels import nearest_passing, nearest_shape, sides_of_cells
 from taut.simulation.driving import grid_over
 from taut.team import plan as plan_team

@@ -1,4 +1,4 @@
-"""What the commands that drive vehicles share: options for the vehicle and what it meets, and how robots are told of."""
+"""What the commands that drive vehicles share: options for vehicles and what they meet, and how robots are told of."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def disturbances(
     ------
     typer.BadParameter
         A robot is not given as NAME@NUMBER.
-    SimulationError
+    SceneError
         A number that makes no sense.
     """
     from taut.simulation import Disturbances

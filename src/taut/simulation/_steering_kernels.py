@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taut.simulation._loop_kernels import (
+from taut.simulation._chance_kernels import grip, halted, perceive
+from taut.simulation._loop_state import (
     COLLISIONS,
     EVENTS_FULL,
     GOING,
@@ -21,14 +22,8 @@ from taut.simulation._loop_kernels import (
     Now,
     Tally,
     Team,
-    grip,
-    halted,
-    list_near,
-    measure_ground,
-    measure_pairs,
-    perceive,
-    work,
 )
+from taut.simulation._measuring_kernels import list_near, measure_ground, measure_pairs, work
 from taut.simulation._nearness_kernels import greatest
 from taut.simulation._vehicle_kernels import ACKERMANN, INTEGRATOR, move
 from taut.team._lean import lean_kernel

@@ -17,7 +17,8 @@ from taut.control.coordination import Dependencies, dependencies, pending
 from taut.control.tracking import Tracking, tuning
 from taut.motion import Plan
 from taut.scene import FloatArray, Scene
-from taut.simulation._loop_kernels import (
+from taut.simulation._loop_kernels import record, run_steps
+from taut.simulation._loop_state import (
     COLLISIONS,
     EVENTS_FULL,
     GOING,
@@ -34,8 +35,6 @@ from taut.simulation._loop_kernels import (
     Rows,
     Tally,
     Team,
-    record,
-    run_steps,
 )
 from taut.simulation._nearness_kernels import sides_of_cells
 from taut.simulation.disturbances import Disturbances, fate_of
@@ -89,7 +88,7 @@ class Driven:
     seconds : that it lasted.
     now, tally : the last state, and what was measured.
     rows : the recorded instants, one array after the other.
-    collisions, held : rows of `taut.simulation._loop_kernels`.
+    collisions, held : rows as `_collide` and `_wait` of the kernels write them.
     """
 
     status: int

@@ -13,7 +13,7 @@ from taut.control.coordination import Dependencies, dependencies
 from taut.errors import PlanError, SceneError
 from taut.motion import Plan
 from taut.scene import FloatArray, Point, Robot, Scene
-from taut.simulation._loop_kernels import Now
+from taut.simulation._loop_state import Now
 from taut.simulation.disturbances import Disturbances
 from taut.simulation.driving import Driven, Setting, Watching, drive, nobody_waits, setting_of
 from taut.simulation.margin import SLACK

@@ -17,7 +17,7 @@ from taut.errors import SceneError
 from taut.graph import Graph, algebraic_connectivity
 from taut.motion import Plan, Trajectory
 from taut.scene import FloatArray, Scene
-from taut.simulation._loop_kernels import (
+from taut.simulation._loop_state import (
     COLLISIONS,
     EVENTS_FULL,
     GOING,
@@ -283,7 +283,7 @@ class _Limits(NamedTuple):
 
 
 class _Loop(NamedTuple):
-    """All that a step needs and changes, see `taut.simulation._loop_kernels` and `steer_step`."""
+    """All that a step needs and changes, see `taut.simulation._loop_state` and `steer_step`."""
 
     team: Team
     chance: Chance
