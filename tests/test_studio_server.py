@@ -354,6 +354,8 @@ MALFORMED: dict[str, str] = {
     '{"id": 5, "ask": "plan", "scene": {}, "settings": {"seconds": 1e999}}': "`settings.seconds` must be",
     '{"id": 5, "ask": "check", "scene": {"gap": NaN}}': "JSON",
     '{"id": 5, "ask": "steps", "scene": {}, "of": "magic"}': "`of` must be",
+    '{"id": 5, "ask": "export", "scene": {}, "form": "html", "options": {"conflicts": 3}}': "`options.conflicts` must",
+    '{"id": 5, "ask": "export", "scene": {}, "form": "png", "options": {"reach": "far"}}': "`options.reach` must be",
     '{"id": 5, "ask": "check", "scene": {}, "lane": ""}': "`lane` must",
     '{"id": -5, "ask": "check", "scene": {}}': "`id` must be",
     '{"id": true, "ask": "check", "scene": {}}': "`id` must be",

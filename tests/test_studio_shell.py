@@ -546,6 +546,14 @@ LANE = """async ({patience}) => {
 }"""
 
 
+def test_a_comparison_leaves_out_what_its_method_does_not_take_and_always_ends(page: Page) -> None:
+    compared = """async (settings) => (await import("studio/planner_settings.js")).comparedSettings(settings)"""
+    assert page.evaluate(compared, {"method": "search", "order": "longest"}) == {"method": "search"}
+    assert page.evaluate(compared, {"method": "optimal"}) == {"method": "optimal", "seconds": 10}
+    assert page.evaluate(compared, {"method": "repair", "rounds": 40}) == {"method": "repair", "rounds": 40}
+    assert page.evaluate(compared, {"order": "longest"}) == {"order": "longest"}
+
+
 def test_of_one_kind_of_work_one_is_under_way_and_one_waits(page: Page) -> None:
     assert page.evaluate(LANE, {"patience": 300}) == [
         "asked 1", "done 0", "asked 2", "asked 3", "failed 2", False, "cancelled", "asked 4", False,

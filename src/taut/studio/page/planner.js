@@ -225,9 +225,6 @@ export function createPlanner({ store, link, history }) {
       else plans.cancel();
     },
 
-    /** Plan anew, as after a change. */
-    replan: changed,
-
     /**
      * Show a plan that came from a file, until something changes.
      * @param {any} plan
