@@ -183,8 +183,8 @@ def opened(browser: Browser, *words: str, folder: Path | None = None) -> Iterato
         page.goto(studio.url)
         wait_until_ready(page)
         _fresh(page)
-        for _ in range(8):  # the first plans of a worker are slower
-            page.evaluate("window.studio.planner.replan()")
+        for seed in range(1, 9):  # the first plans of a worker are slower
+            page.evaluate(f"window.studio.store.set({{settings: Object.freeze({{seed: {seed}}})}})")
             page.wait_for_timeout(150)
             _fresh(page)
         yield page

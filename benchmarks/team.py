@@ -17,6 +17,7 @@ from taut.generate import random_scene
 from taut.motion import Plan
 from taut.scene import Scene
 from taut.team import Result, plan
+from taut.team.world import places_on
 
 PHASES = ("roadmaps", "planning", "certificate")
 
@@ -140,6 +141,7 @@ def _outcome(case: Case) -> Outcome:
 
 
 def _run(work: Callable[[], object]) -> Run:
+    places_on.cache_clear()  # each run is a first plan on its map
     began = time.perf_counter()
     result = work()
     assert isinstance(result, Result)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from taut import NoPath, NoPlanExists, NoPlanFound, Rectangle, Robot, Scene, SceneError, load_scene, plan
 from taut.route.ways import WAYS
+from taut.team.world import places_on
 
 OTHERS = tuple(name for name in WAYS if name not in ("visibility", "ca", "potential"))
 
@@ -64,3 +67,17 @@ def test_a_central_path_that_hits_something_is_no_route() -> None:
     scene = Scene((0, 0, 10, 10), [Rectangle(3, 0, 2, 5)], [Robot("R1", (0, 0), (10, 0))])
     with pytest.raises(NoPath, match=r"R1: the Central Algorithm's path hits O1 and the wall at \("):
         plan(scene, roadmap="ca")
+
+
+@pytest.mark.parametrize("name", ["thesis-2", "office-20"])
+def test_a_map_planned_on_before_gives_the_plans_of_a_new_one(name: str) -> None:
+    scene = load_scene(name)
+    swapped = replace(scene, robots=tuple(replace(r, start=r.goal, goal=r.start) for r in scene.robots))
+    worlds = (scene, swapped, swapped.with_obstacles(scene.obstacles[1:]))
+    anew = []
+    for world in worlds:
+        places_on.cache_clear()
+        anew.append(plan(world).plan.trajectories)
+    places_on.cache_clear()
+    assert [plan(world).plan.trajectories for world in worlds] == anew
+    assert places_on.cache_info().hits > 0  # the swapped team moves on the same map

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -13,6 +15,7 @@ from taut.freespace import FreeSpace, without_discs
 from taut.roadmap import (
     Lanes,
     LocatedRoadmap,
+    PlacesRoadmap,
     SharedRoadmap,
     closed_lanes,
     lanes_roadmap,
@@ -26,6 +29,9 @@ from taut.scene import Robot, Scene
 from taut.team._conflict_kernels import Floats, Ints
 from taut.team.lane_ends import lane_ways
 from taut.team.own_roadmap import OwnRoadmap, own_roadmap
+
+_REMEMBERED = 4
+"""Roadmaps kept for the next worlds: a team whose robots move, but not its obstacles, needs the same ones."""
 
 
 class World:
@@ -75,7 +81,7 @@ class World:
                     self._own[i], self._seconds[i] = on_lanes.own, on_lanes.seconds
                 notes.append(closed_lanes(way, lanes))
             elif way == "visibility":
-                places = places_roadmap(freespace, separation)
+                places = _places_of(freespace, separation)
                 ends = attach(freespace, places.tangents, [p for i in group for p in (robots[i].start, robots[i].goal)])
                 found = routes_between(freespace, places.tangents, ends)
                 shortest[group] = [route.length for route in found]
@@ -217,3 +223,29 @@ def _allowed(route: Route, robot: Robot) -> Route:
         what, (x, y) = " and ".join(hit.obstacles), hit.place
         raise NoPath(robot.name, f"the Central Algorithm's path hits {what} at ({x:.4g}, {y:.4g})")
     return route
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """All that a roadmap of places depends on, and the free space to build it from."""
+
+    vertices: bytes
+    triangles: bytes
+    neighbours: bytes
+    area: float
+    tol: float
+    separation: float
+    freespace: FreeSpace = field(compare=False, repr=False)
+
+
+def _places_of(freespace: FreeSpace, separation: float) -> PlacesRoadmap:
+    mesh = freespace.mesh
+    parts = (mesh.vertices.tobytes(), mesh.triangles.tobytes(), mesh.neighbours.tobytes())
+    ground = _Ground(*parts, freespace.area, freespace.scene.tol, separation, freespace)
+    return replace(places_on(ground), freespace=freespace)
+
+
+@lru_cache(_REMEMBERED)
+def places_on(ground: _Ground) -> PlacesRoadmap:
+    """Build the roadmap of a ground, or find it among the last ones."""
+    return places_roadmap(ground.freespace, ground.separation)
