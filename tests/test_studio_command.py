@@ -17,7 +17,8 @@ import taut
 from studio_page import RunningStudio, running_studio
 from taut.cli import main
 from taut.formats import load_scene, scene_to_dict
-from taut.studio.serving import HOST, listen, own_port
+from taut.studio.serving import HOST, listen, own_port, redirection
+from test_studio_crew import folders_of
 from test_studio_server import PATIENCE, THESIS, Tab, gone, tab, until, workers_of
 
 
@@ -100,9 +101,12 @@ def test_after_a_crash_no_worker_is_left_and_the_address_is_the_same_but_for_the
         with tab(first) as one:
             wait_until_ready(one)
             workers = workers_of(first.process.pid)
+            folders = folders_of(workers)
             first.process.send_signal(signal.SIGKILL)
             first.process.wait()
         until(lambda: all(map(gone, workers)))
+        assert folders
+        assert not any(folder.exists() for folder in folders)
         with running_studio(str(path)) as second:
             assert second.origin == first.origin
             assert second.url != first.url
@@ -168,3 +172,33 @@ def test_it_ends_when_nobody_can_read_its_address() -> None:
     ended = subprocess.run(words, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=PATIENCE, check=False)
     os.close(writing)
     assert (ended.returncode, ended.stderr) == (141, "")
+
+
+def test_the_browser_is_started_with_a_file_that_only_its_user_can_read_and_not_with_the_token() -> None:
+    with redirection("http://127.0.0.1:50000/?token=secret") as given:
+        path = Path(given.removeprefix("file://"))
+        assert "secret" not in given
+        assert "url=http://127.0.0.1:50000/?token=secret" in path.read_text(encoding="utf-8")
+        assert path.stat().st_mode & 0o777 == 0o600
+        assert path.parent.stat().st_mode & 0o777 == 0o700
+    assert not path.parent.exists()
+
+
+def test_the_file_for_the_browser_is_removed_at_the_end(tmp_path: Path) -> None:
+    browser, seen = tmp_path / "browser", tmp_path / "seen"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {seen}.part && mv {seen}.part {seen}\n', encoding="utf-8")
+    browser.chmod(0o700)
+    words = [sys.executable, "-m", "taut", "studio", "thesis-2"]
+    env = {**os.environ, "BROWSER": str(browser), "TMPDIR": str(tmp_path)}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=env)
+    try:
+        until(seen.exists)
+        assert process.stdout is not None
+        address = process.stdout.readline().split()[1]
+        path = Path(seen.read_text(encoding="utf-8").strip().removeprefix("file://"))
+        assert address in path.read_text(encoding="utf-8")
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+    assert not path.parent.exists()
+    assert not list(tmp_path.glob("taut-studio-*")), "the workers' folders are gone, too"

@@ -23,11 +23,13 @@ LONG = 60.0
 class Asking:
     """What the crew said of one job."""
 
-    def __init__(self, crew: Crew, owner: object, lane: str, heavy: bool, told: dict[str, Any]) -> None:
+    def __init__(
+        self, crew: Crew, owner: object, lane: str, heavy: bool, told: dict[str, Any], limit: float | None = None
+    ) -> None:
         self.said: list[tuple[Said, bytes]] = []
         self._last = asyncio.Event()
         message = {"id": 1, "ask": "plan" if heavy else "check", "scene": told}
-        self.job: Job = crew.submit(owner, lane, json.dumps(message).encode(), heavy, self._hear)
+        self.job: Job = crew.submit(owner, lane, json.dumps(message).encode(), heavy, self._hear, limit)
 
     def _hear(self, kind: Said, body: bytes) -> None:
         assert not self._last.is_set(), "nothing is said after the last word"
@@ -277,5 +279,40 @@ def test_closing_leaves_no_process() -> None:
             await asyncio.sleep(0.1)
             pids = crew.pids
         assert not any(Path(f"/proc/{pid}").exists() for pid in pids) or not Path("/proc").exists()
+
+    run(test())
+
+
+def test_work_with_a_limit_is_given_up_and_told_and_its_process_replaced() -> None:
+    async def test() -> None:
+        async with crew_at_work() as crew:
+            before = set(crew.pids)
+            hangs = Asking(crew, "tab", "check", False, {"seconds": LONG, "deaf": True}, limit=0.3)
+            assert "longer than 0.3 s" in await hangs.end()
+            assert await Asking(crew, "tab", "check", False, {}, limit=5.0).end() == "ok"
+            await until(lambda: crew.warm == 3)
+            assert len(set(crew.pids) & before) == 2
+
+    run(test())
+
+
+def folders_of(pids: list[int]) -> list[Path]:
+    """Return the folders of temporary files of some processes."""
+    if not Path("/proc").exists():
+        pytest.skip("this system does not tell what processes are started with")
+    named = [Path(f"/proc/{pid}/environ").read_bytes().split(b"\0") for pid in pids]
+    return [Path(one.removeprefix(b"TMPDIR=").decode()) for words in named for one in words if one[:7] == b"TMPDIR="]
+
+
+def test_what_a_worker_kept_for_a_while_is_gone_with_it() -> None:
+    async def test() -> None:
+        async with crew_at_work() as crew:
+            folders = folders_of(crew.pids)
+            assert len(set(folders)) == 3
+            assert all(folder.is_dir() for folder in folders)
+            (folders[0] / "frame.png").write_bytes(b"half a picture")
+            os.kill(crew.pids[0], signal.SIGKILL)
+            await until(lambda: not folders[0].exists())
+        assert not any(folder.exists() for folder in folders)
 
     run(test())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import reduce
@@ -211,6 +212,39 @@ def test_of_many_robots_on_one_place_each_is_told_once() -> None:
     robots = [Robot(f"R{k}", (5, 5), (1 + k, 1), radius=0.2) for k in range(8)]
     told = problems(scene_to_dict(Scene((0, 0, 10, 10), (), robots)))
     assert [one["names"] for one in told] == [["R0", f"R{k}"] for k in range(1, 8)]
+
+
+@pytest.mark.parametrize("shape", [{"circle": [5, 5], "radius": 1}, {"polygon": [[4, 4], [6, 4], [5, 6]]}])
+def test_heaps_of_thousands_are_looked_at_in_a_moment(shape: dict[str, Any]) -> None:
+    obstacles = [{"name": f"O{k}", **shape} for k in range(5000)]
+    robots = [{"name": f"R{k}", "start": [5, 5], "goal": [1, 1], "radius": 0.1} for k in range(1000)]
+    heap = {"taut": 1, "bounds": [0, 0, 10, 10], "obstacles": obstacles, "robots": []}
+    began = time.monotonic()
+    told = checked(heap)
+    assert told["problems"] == []
+    assert "lie on each other" in told["notes"][0]
+    told = checked({**heap, "robots": robots})
+    assert time.monotonic() - began < 10
+    assert told["notes"] == []
+    assert sum(one["kind"] == "robot" for one in told["problems"]) == 100
+    assert sum("told are the first 100" in one["message"] for one in told["problems"]) >= 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "bad"),
+    [
+        ("obstacles", {"polygon": [[4, 4], [6, 6], [6, 4], [4, 6]]}),
+        ("obstacles", {"circle": [5, 5], "radius": -1}),
+        ("robots", {"start": [1, 1], "goal": [2, 2], "radius": -1}),
+        ("robots", {"start": [1, 1], "goal": [2, 2], "radius": 1e-80}),
+    ],
+)
+def test_of_thousands_of_problems_the_first_are_told_and_that_there_are_more(kind: str, bad: dict[str, Any]) -> None:
+    scene = {"taut": 1, "bounds": [0, 0, 10, 10], "obstacles": [], "robots": []}
+    told = problems({**scene, kind: [{"name": f"N{k}", **bad} for k in range(2000)]})
+    assert len(told) == 101
+    assert f"more {kind}" in told[-1]["message"]
+    assert [one["names"] for one in told[:-1]] == [[f"N{k}"] for k in range(100)]
 
 
 @pytest.mark.parametrize("data", [None, [], "scene", {}, {"taut": 1}, {"obstacles": 3, "robots": []}])

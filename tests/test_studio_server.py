@@ -26,6 +26,7 @@ import taut
 from studio_page import RunningStudio, running_studio
 from taut.formats import scene_to_dict
 from taut.studio import messages
+from taut.studio.application import MOST_LINKS
 from taut.studio.crew import Crew
 from taut.studio.link import Link, Studio
 from taut.studio.scene_file import Named
@@ -525,3 +526,21 @@ def test_a_page_that_does_not_read_is_closed_before_its_answers_fill_the_memory(
         assert socket.closed == 1013
 
     asyncio.run(test())
+
+
+def test_one_tab_too_many_is_told_why_it_is_closed(studio: RunningStudio) -> None:
+    with contextlib.ExitStack() as tabs:
+        for _ in range(MOST_LINKS):
+            tabs.enter_context(tab(studio))
+        with pytest.raises(ConnectionClosed) as closed:
+            tabs.enter_context(tab(studio))
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1013
+        assert closed.value.rcvd.reason == f"the studio is open in {MOST_LINKS} tabs already; close one of them"
+
+
+def test_timelines_and_random_scenes_leave_a_worker_to_checks() -> None:
+    assert messages.Timelines.heavy
+    assert messages.Random.heavy
+    assert not messages.Check.heavy
+    assert messages.Check.limit

@@ -331,12 +331,12 @@ def test_settings_are_planned_with_and_improving_can_be_stopped(page: Page) -> N
     page.evaluate("""async () => {
       const {scene} = await window.studio.link.ask("ready", {name: "crossing-30"}).promise;
       window.studio.history.change("crossing", scene);
-      window.studio.store.set({settings: Object.freeze({seconds: 60})});
+      window.studio.store.set({settings: Object.freeze({seconds: 600})});
     }""")
     planned(page)
     page.click("#improve")
-    until(page, "window.studio.store.get().planning.improving")
-    until(page, "window.studio.store.get().planning.progress?.cost", 120)
+    improving = "window.studio.store.get().planning.improving"
+    until(page, f"{improving} && window.studio.store.get().planning.progress?.cost", 120)
     page.click("#stop")
     until(page, "!window.studio.store.get().planning.running", 20)
     assert state(page, "planning")["state"] == "fresh"
@@ -454,7 +454,7 @@ LINK = """async () => {
   window.WebSocket = class {
     constructor(url) { this.url = url; this.sent = []; sockets.push(this); }
     send(frame) { this.sent.push(JSON.parse(frame)); }
-    close() { this.onclose(); }
+    close() { this.onclose({reason: ""}); }
     say(message) { this.onmessage({data: JSON.stringify(message)}); }
   };
   const tick = (ms = 0) => new Promise((resolve) => setTimeout(resolve, ms));
@@ -466,7 +466,7 @@ LINK = """async () => {
   const first = link.ask("check", {scene: {}}, {lane: "check"});
   told(first.promise);
   log.push(["sent before it is up", sockets[0].sent.length]);
-  sockets[0].onopen();
+  sockets[0].say({hello: {}});
   log.push(["sent", [...sockets[0].sent]]);
   sockets[0].say({id: first.id, ok: {problems: []}});
   const second = link.ask("plan", {}, {progress: ({text}) => log.push(["progress", text])});
@@ -488,7 +488,7 @@ LINK = """async () => {
   never.cancel();
   while (sockets.length < 2) await tick(10);
   log.push(["down", down]);
-  sockets[1].onopen();
+  sockets[1].say({hello: {}});
   log.push(["sent again", sockets[1].sent.map(({ask}) => ask)]);
   window.WebSocket = Real;
   link.close();

@@ -238,3 +238,65 @@ def test_a_page_sent_as_a_file_plays_without_a_server(planned: Page, browser: Br
         "title"
     ]
     context.close()
+
+
+def test_the_slider_stands_over_the_axis_of_the_timelines(planned: Page) -> None:
+    wait_for(planned, f"{STATE}.timelines !== null")
+    planned.evaluate("window.studio.player.seek(0.3 * window.studio.player.until())")
+    scrub, head = (planned.locator(selector).bounding_box() for selector in ("#scrub", ".playhead"))
+    assert scrub is not None
+    assert head is not None
+    thumb = 14  # pixels; its middle runs from half of it behind the left end to half of it before the right one
+    assert head["x"] == pytest.approx(scrub["x"] + thumb / 2 + 0.3 * (scrub["width"] - thumb), abs=1)
+
+
+def test_timelines_fold_and_the_map_stays_where_it_is(planned: Page) -> None:
+    where = """() => {
+      const { left, top, width, height } = document.getElementById("board").getBoundingClientRect();
+      const { x, y, scale } = window.studio.camera.get();
+      return [left + width / 2 - x * scale, top + height / 2 + y * scale, scale];
+    }"""
+    planned.evaluate(
+        """() => {
+          const { history, store } = window.studio;
+          const { scene } = store.get();
+          const far = { ...scene.robots[0], name: "R9", start: [1, 1], goal: [1, 1] };
+          history.change("add R9", Object.freeze({ ...scene, robots: [...scene.robots, far] }));
+        }"""
+    )
+    before, high = planned.evaluate(where), planned.locator("#board").bounding_box()
+    assert high is not None
+    wait_for(planned, f"!{STATE}.planning.running")
+    assert planned.locator("#board").bounding_box() == high  # another row needs no other room
+    planned.click("#fold")
+    assert planned.locator("#timelines").is_hidden()
+    assert planned.locator("#board").bounding_box() != high
+    assert planned.evaluate(where) == pytest.approx(before)
+    planned.click("#fold")
+    assert planned.locator("#board").bounding_box() == high
+    planned.set_viewport_size({"width": 1000, "height": 750})
+    planned.wait_for_timeout(100)
+    assert planned.evaluate(where) == pytest.approx(before)
+
+
+def test_a_mark_of_a_conflict_says_its_sentence(planned: Page) -> None:
+    planned.evaluate(
+        """async () => {
+          const { scene } = await window.studio.link.ask("ready", { name: "crossing-30" }).promise;
+          window.studio.history.replaceAll({ scene });
+        }"""
+    )
+    wait_for(planned, f"{FRESH} && {STATE}.answer.conflicts.length > 0", 60_000)
+    pixel = planned.evaluate(
+        """async () => {
+          const { toScreen } = await import("studio/camera.js");
+          const { board, store } = window.studio;
+          const { left, top } = board.canvas.getBoundingClientRect();
+          const [x, y] = toScreen(board.window(), store.get().answer.conflicts.at(-1).place);
+          return [left + x, top + y];
+        }"""
+    )
+    planned.mouse.move(*pixel)
+    assert state(planned, "encounter")["sentence"] == state(planned, "answer")["conflicts"][-1]["sentence"]
+    planned.mouse.move(2, 2)
+    assert state(planned, "encounter") is None

@@ -20,7 +20,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
-from taut.studio.link import Link, Studio
+from taut.studio.link import TRY_LATER, Link, Studio
 
 MOST_LINKS = 32
 _TYPES = {
@@ -70,8 +70,12 @@ def application(studio: Studio, token: str) -> Starlette:
     async def link(socket: WebSocket) -> None:
         # browsers tell the origin of the page that opens a link, and pages cannot lie about it
         ours = socket.headers.get("origin") == f"http://{socket.headers.get('host')}"
-        if not ours or not known(socket.query_params.get("token")) or len(links) >= MOST_LINKS:
+        if not ours or not known(socket.query_params.get("token")):
             await socket.close()
+            return
+        if len(links) >= MOST_LINKS:
+            await socket.accept()  # only a link that was open can be told why it is closed
+            await socket.close(TRY_LATER, f"the studio is open in {MOST_LINKS} tabs already; close one of them")
             return
         one = Link(socket, studio)
         links.add(one)

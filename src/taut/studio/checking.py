@@ -1,7 +1,8 @@
 """All problems of a scene at once, each with those it concerns and the place where it is to be shown.
 
 Validation stops at the first problem. Here what may be bad is found by itself: entries, shapes, starts and goals, pairs
-of robots. Each is then put to validation alone, with the little that is near it, and told in validation's own words.
+of robots. Each is then put to validation alone, with the little that is near it, and told in validation's own words. Of
+each sort only so many are looked at one by one, and that there are more is told.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -17,7 +19,6 @@ from scipy.spatial import KDTree
 
 from taut.errors import SceneError, one_line
 from taut.formats import scene_from_dict
-from taut.geometry.triangulation import Ints
 from taut.route.obstacles import index_obstacles
 from taut.scene import FloatArray, Obstacle, Point, Robot, Scene
 from taut.validation import check_form, validate
@@ -27,7 +28,12 @@ Problem: TypeAlias = dict[str, Any]
 
 _ROOM = (-1.0, -1.0, 1.0, 1.0)
 _NEAR = 4.0  # tolerances beyond what is needed: so near, validation decides
+_MOST = 100  # problems of a sort that are told one by one; who has more mends these first
+_NEAREST = 200  # obstacles that a place is looked at with: validation names the nearest
+_BATCH = 64  # robots, or boxes, that are looked at together
+_HEAP = 2_000_000  # pairs of boxes that meet: beyond, what pairs are needed for takes too long and too much room
 _ALONE = "R"  # what a robot is called while it is looked at alone
+_NOT_TOLD = "so many obstacles, starts and goals lie on each other that it is not told which do"
 
 
 def checked(data: Any) -> dict[str, list[Any]]:
@@ -36,6 +42,9 @@ def checked(data: Any) -> dict[str, list[Any]]:
     Notes are what a person should know about a scene that can be used; one with problems has none.
     """
     found, scene = _read(data)
+    if scene is not None and _is_heap(scene):
+        found += _problems(scene)
+        return {"problems": found, "notes": [] if found else [_NOT_TOLD]}
     if scene is not None:
         try:
             notes = validate(scene)
@@ -70,6 +79,34 @@ def problem(
     return {"message": one_line(message), "kind": kind, "names": list(names), "place": at, "end": end}
 
 
+def _more(kind: str) -> Problem:
+    """The problem that stands for all that are not told."""
+    return problem(f"more {kind} have such problems: told are the first {_MOST}", "scene")
+
+
+def _is_heap(scene: Scene) -> bool:
+    """Whether so many obstacles, starts and goals lie on each other that not all pairs of them can be looked at."""
+    low, high = [], []
+    for obstacle in scene.obstacles:
+        low.append(obstacle.core.min(axis=0) - obstacle.own_radius)
+        high.append(obstacle.core.max(axis=0) + obstacle.own_radius)
+    growths = np.array([scene.growth(robot) + scene.gap for robot in scene.robots]).reshape(-1, 1)
+    for end in ("start", "goal"):
+        places = np.array([getattr(robot, end) for robot in scene.robots], dtype=np.float64).reshape(-1, 2)
+        low.extend(places - growths)
+        high.extend(places + growths)
+    if len(low) ** 2 <= _HEAP:
+        return False
+    boxes = shapely.box(*np.hstack([np.array(low), np.array(high)]).T)
+    tree = shapely.STRtree(boxes)
+    met = 0
+    for first in range(0, len(boxes), _BATCH):
+        met += tree.query(boxes[first : first + _BATCH]).shape[1]
+        if met > _HEAP:
+            return True
+    return False
+
+
 def _read(data: Any) -> tuple[list[Problem], Scene | None]:
     """Problems of the entries, and the scene without those; None where the rest of the scene cannot be read either."""
     try:
@@ -83,7 +120,9 @@ def _read(data: Any) -> tuple[list[Problem], Scene | None]:
         if not isinstance(entries, list):
             return [problem(whole.message, "scene")], None
         bad = _bad_entries(key, entries)
-        found += bad.values()
+        found += list(bad.values())[:_MOST]
+        if len(bad) > _MOST:  # what there would be without the others is not known
+            return [*found, _more(key)], None
         kept[key] = [entry for k, entry in enumerate(entries) if k not in bad]
     try:
         return found, scene_from_dict({**data, **kept})
@@ -105,7 +144,7 @@ def _bad_entries(key: str, entries: Sequence[Any]) -> dict[int, Problem]:
 
     bad: dict[int, Problem] = {}
     numbers = list(range(len(entries)))
-    for k, error in _faulty(numbers, read):
+    for k, error in islice(_faulty(numbers, read), _MOST + 1):
         bad[k] = problem(error.message, kind, _name_in(entries[k]), _place_in(entries[k]))
     seen: set[str] = set()
     for k in numbers:
@@ -145,12 +184,16 @@ def _problems(scene: Scene) -> Iterator[Problem]:
     except SceneError as error:
         yield problem(error.message, "scene")
         return
-    shapeless = dict(_faulty(scene.obstacles, lambda some: check_form(Scene(_ROOM, some))))
-    for obstacle, wrong in shapeless.items():
+    shapeless = dict(islice(_faulty(scene.obstacles, lambda some: check_form(Scene(_ROOM, some))), _MOST + 1))
+    for obstacle, wrong in list(shapeless.items())[:_MOST]:
         yield problem(wrong.message, "obstacle", [obstacle.name], _middle(obstacle.core))
-    unfit = dict(_faulty(scene.robots, lambda some: check_form(Scene(_ROOM, (), some, gap=1.0))))
-    for robot, wrong in unfit.items():
+    unfit = dict(islice(_faulty(scene.robots, lambda some: check_form(Scene(_ROOM, (), some, gap=1.0))), _MOST + 1))
+    for robot, wrong in list(unfit.items())[:_MOST]:
         yield problem(wrong.message, "robot", [robot.name], robot.start)
+    for kind, faulty in (("obstacles", shapeless), ("robots", unfit)):
+        if len(faulty) > _MOST:  # with those that are left nothing can be computed
+            yield _more(kind)
+            return
     robots = [robot for robot in scene.robots if robot not in unfit]
     try:
         check_form(_part(scene, (), robots))
@@ -158,8 +201,18 @@ def _problems(scene: Scene) -> Iterator[Problem]:
         points = [robot for robot in robots if robot.radius == 0][:2]
         place = _middle([robot.start for robot in points]) if points else None
         yield problem(error.message, "pair" if len(points) == 2 else "scene", [r.name for r in points], place)
-    yield from _places(scene, [o for o in scene.obstacles if o not in shapeless], robots)
-    yield from _pairs(scene, robots)
+    sound = [obstacle for obstacle in scene.obstacles if obstacle not in shapeless]
+    for end in ("start", "goal"):
+        yield from _first(_places(scene, sound, robots, end), "robots")
+    for end in ("start", "goal"):
+        yield from _first(_pairs(scene, robots, end), "robots")
+
+
+def _first(told: Iterator[Problem], kind: str) -> Iterator[Problem]:
+    """The first problems, and whether there are more."""
+    yield from islice(told, _MOST)
+    if next(told, None) is not None:
+        yield _more(kind)
 
 
 def _faulty(things: Sequence[Thing], check: Callable[[Sequence[Thing]], None]) -> Iterator[tuple[Thing, SceneError]]:
@@ -184,58 +237,55 @@ def _part(scene: Scene, obstacles: Sequence[Obstacle], robots: Sequence[Robot]) 
     return out
 
 
-def _places(scene: Scene, obstacles: Sequence[Obstacle], robots: Sequence[Robot]) -> Iterator[Problem]:
-    """Starts and goals too near to a wall or an obstacle, or shut in between them."""
-    if not robots:
-        return
+def _places(scene: Scene, obstacles: Sequence[Obstacle], robots: Sequence[Robot], end: str) -> Iterator[Problem]:
+    """Starts, or goals, too near to a wall or an obstacle, or shut in between them."""
     index = index_obstacles(scene.with_obstacles(obstacles))
-    growths = np.array([scene.growth(robot) for robot in robots]) + _NEAR * scene.tol
     workspace = shapely.Polygon(scene.workspace)
-    for end in ("start", "goal"):
-        points = shapely.points(np.array([getattr(robot, end) for robot in robots], dtype=np.float64))
+    for first in range(0, len(robots), _BATCH):
+        some = robots[first : first + _BATCH]
+        growths = np.array([scene.growth(robot) for robot in some]) + _NEAR * scene.tol
+        points = shapely.points(np.array([getattr(robot, end) for robot in some], dtype=np.float64))
         at, near = index.tree.query(points, predicate="dwithin", distance=growths)
-        close = shapely.distance(points[at], index.cores[near]) <= growths[at] + index.own_radius[near]
-        at, near = at[close], near[close]
+        room = shapely.distance(points[at], index.cores[near]) - index.own_radius[near]
+        close = room <= growths[at]
+        at, near, room = at[close], near[close], room[close]
         hemmed = shapely.dwithin(points, workspace.exterior, growths) | ~shapely.covers(workspace, points)
         for k in np.union1d(at, np.flatnonzero(hemmed)).tolist():
-            place = getattr(robots[k], end)
-            alone = replace(robots[k], name=_ALONE, start=place, goal=place)
+            here = np.flatnonzero(at == k)
+            nearest = np.sort(here[np.argsort(room[here], kind="stable")[:_NEAREST]])
+            place = getattr(some[k], end)
+            alone = replace(some[k], name=_ALONE, start=place, goal=place)
             try:
-                validate(_part(scene, [obstacles[j] for j in near[at == k]], [alone]))
+                validate(_part(scene, [obstacles[j] for j in near[nearest]], [alone]))
             except SceneError as error:
                 said = error.message.removeprefix(f"robot {_ALONE}: start")
-                yield problem(f"robot {robots[k].name}: {end}{said}", "robot", [robots[k].name], place, end)
+                yield problem(f"robot {some[k].name}: {end}{said}", "robot", [some[k].name], place, end)
 
 
-def _pairs(scene: Scene, robots: Sequence[Robot]) -> Iterator[Problem]:
-    """Robots that stand too near to each other at their starts, and for good at their goals."""
-    for end in ("start", "goal"):
-        there = [r for r in robots if scene.stays(r) or (end == "start" and r.start != r.goal)]
-        places = np.array([getattr(robot, end) for robot in there], dtype=np.float64).reshape(-1, 2)
-        told: set[int] = set()
-        for i, j in _close(scene, there, places).tolist():
-            if i in told or j in told:
-                continue
-            pair = _standing(scene, (there[i], there[j]), end)
+def _pairs(scene: Scene, robots: Sequence[Robot], end: str) -> Iterator[Problem]:
+    """Robots that stand too near to each other at their starts, or for good at their goals."""
+    there = [r for r in robots if scene.stays(r) or (end == "start" and r.start != r.goal)]
+    if len(there) < 2:
+        return
+    places = np.array([getattr(robot, end) for robot in there], dtype=np.float64)
+    radii = np.array([robot.radius for robot in there])
+    slack = scene.gap + _NEAR * scene.tol
+    tree = KDTree(places)
+    told = np.zeros(len(there), dtype=bool)
+    for i in range(len(there)):
+        if told[i]:
+            continue
+        reach = radii[i] + radii.max() + slack
+        others = np.array(tree.query_ball_point(places[i], reach, return_sorted=True), dtype=np.int64)
+        others = others[(others > i) & ~told[others]]
+        near = np.hypot(*(places[others] - places[i]).T) < radii[i] + radii[others] + slack
+        for j in others[near].tolist():
             try:
-                validate(pair)
+                validate(_standing(scene, (there[i], there[j]), end))
             except SceneError as error:
-                told.add(j)
+                told[j] = True
                 names = [there[i].name, there[j].name]
                 yield problem(error.message, "pair", names, _middle(places[[i, j]]), end)
-
-
-def _close(scene: Scene, robots: Sequence[Robot], places: FloatArray) -> Ints:
-    """Pairs (k, 2) of robots in order that stand nearer than they may, or nearly so."""
-    if len(robots) < 2:
-        return np.empty((0, 2), dtype=np.int64)
-    radii = np.array([robot.radius for robot in robots])
-    slack = scene.gap + _NEAR * scene.tol
-    pairs = KDTree(places).query_pairs(2 * radii.max() + slack, output_type="ndarray")
-    i, j = np.sort(pairs.reshape(-1, 2), axis=1).T
-    near = np.hypot(*(places[i] - places[j]).T) < radii[i] + radii[j] + slack
-    order = np.lexsort((j[near], i[near]))
-    return np.stack([i[near], j[near]], axis=1)[order].astype(np.int64)
 
 
 def _standing(scene: Scene, pair: tuple[Robot, Robot], end: str) -> Scene:

@@ -11,6 +11,7 @@ import asyncio
 import json
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Literal, TypeAlias
 
 from taut.studio.process import WorkerProcess
@@ -43,6 +44,7 @@ class Job:
     message: bytes
     heavy: bool
     hear: Hear
+    limit: float | None = None
     answered: bool = False
     slot: _Slot | None = None
     began: float = 0.0
@@ -128,7 +130,9 @@ class Crew:
             process.kill()
         await asyncio.gather(*(process.ended() for process in processes))
 
-    def submit(self, owner: Hashable, lane: str, message: bytes, heavy: bool, hear: Hear) -> Job:
+    def submit(
+        self, owner: Hashable, lane: str, message: bytes, heavy: bool, hear: Hear, limit: float | None = None
+    ) -> Job:
         """Have a job done, in the place of older ones of the same owner and lane.
 
         Parameters
@@ -137,9 +141,10 @@ class Crew:
         heavy : whether it may take long.
         hear : called with "progress" and JSON now and then, and at last once with "outcome" and JSON, or with "stopped"
             and "newer" or "lost".
+        limit : seconds after which the work is ended and that is told as what is wrong; None lets it take any time.
         """
         self._numbers += 1
-        job = Job(self._numbers, owner, lane, message, heavy, hear)
+        job = Job(self._numbers, owner, lane, message, heavy, hear, limit)
         for older in self._of(owner, lane):
             self._supersede(older)
         self._waiting.append(job)
@@ -226,6 +231,17 @@ class Crew:
             job.slot, slot.job, job.began = slot, job, self._now()
             assert slot.process is not None
             slot.process.give(job.number, job.message)
+            if job.limit is not None:
+                self._later(job.began + job.limit, partial(self._give_up, job, job.limit))
+
+    def _give_up(self, job: Job, limit: float) -> None:
+        """End a job that took longer than it may; what keeps it so long is not waited for."""
+        if job.slot is None or job.slot.process is None:
+            return
+        message = f"this took longer than {limit:g} s and was given up; the scene is too large or too crowded for it"
+        job.answer("outcome", json.dumps({"wrong": {"message": message, "kind": "limit"}}).encode())
+        job.slot.warm = False
+        job.slot.process.kill()
 
     def _is_busy(self, job: Job) -> bool:
         """Whether something is still done in the lane of a job."""

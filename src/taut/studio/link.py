@@ -24,7 +24,7 @@ from taut.studio.scene_file import Named, SceneFile, named
 
 MOST_JOBS = 100  # of one page at a time; ours has at most one running and one waiting in each of its lanes
 _MOST_UNREAD = 64 << 20  # characters that may wait for a page that does not read
-_TOO_SLOW = 1013  # the close code for "try again later"
+TRY_LATER = 1013  # the close code for "try again later"
 
 
 @dataclass
@@ -118,7 +118,7 @@ class Link:
             await asyncio.gather(*tasks, *self._saves, return_exceptions=True)
         if self._overfull.is_set():
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._socket.close(_TOO_SLOW, "this page does not read its answers"), 1)
+                await asyncio.wait_for(self._socket.close(TRY_LATER, "this page does not read its answers"), 1)
         for task in done:
             task.result()  # what went wrong in it is not hidden
 
@@ -183,7 +183,7 @@ class Link:
                 return
             message = messages.Text(id=0, ask="text", scene=ask.scene, format=file.format).model_dump_json().encode()
             hear = partial(self._hear_text, ask, file)
-        self._jobs[ask.id] = self._studio.crew.submit(self, ask.lane or ask.ask, message, ask.heavy, hear)
+        self._jobs[ask.id] = self._studio.crew.submit(self, ask.lane or ask.ask, message, ask.heavy, hear, ask.limit)
 
     def _for_job(self, identity: int, act: Callable[[Job], None]) -> None:
         """Do something about a job of this page, if it is still at work."""

@@ -54,10 +54,12 @@ class Settings(_Strict):
 class Ask(_Strict):
     """Something to be done; what is asked later in the same lane takes its place.
 
-    ``heavy`` kinds may take long: of them fewer run at a time than there are workers.
+    ``heavy`` kinds may take long: of them fewer run at a time than there are workers. ``limit`` is how many seconds
+    one may take at most, None for any number.
     """
 
     heavy: ClassVar[bool] = False
+    limit: ClassVar[float | None] = None
 
     id: Identity
     lane: Annotated[str, Field(min_length=1, max_length=_NAME_LENGTH)] | None = None
@@ -65,6 +67,8 @@ class Ask(_Strict):
 
 class Check(Ask):
     """Ask for all problems of a scene."""
+
+    limit: ClassVar[float | None] = 20.0
 
     ask: Literal["check"]
     scene: Data
@@ -99,6 +103,8 @@ class Steps(AboutScene):
 class Timelines(AboutScene):
     """Ask what goes on in a plan over time."""
 
+    heavy: ClassVar[bool] = True
+
     ask: Literal["timelines"]
     plan: Data
     reach: Metres | None = None
@@ -107,6 +113,8 @@ class Timelines(AboutScene):
 
 class Random(Ask):
     """Ask for a random scene."""
+
+    heavy: ClassVar[bool] = True
 
     ask: Literal["random"]
     robots: Annotated[int, Field(ge=0, le=1_000)] = 10

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import shutil
 import signal
 import sys
+import tempfile
 from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections.abc import Callable, Sequence
 
-from taut.studio.worker import HEAD
+from taut.studio.worker import FOLDER, HEAD
 
 Hear = Callable[[bytes, bytes], None]
 
@@ -75,9 +77,18 @@ class WorkerProcess:
     async def _run(self) -> None:
         # -P: a folder with a file numpy.py in it is a fine place to start the studio from
         words = (sys.executable, "-P", *self._program)
+        folder = ""
         try:
+            # a process that is killed cannot tidy up: what it keeps for a while is in a folder of its own
+            folder = tempfile.mkdtemp(prefix="taut-studio-")
+            places = dict.fromkeys(("TMPDIR", "TEMP", "TMP", FOLDER), folder)
             process = await asyncio.create_subprocess_exec(
-                *words, stdin=PIPE, stdout=PIPE, stderr=None if self._loud else DEVNULL, limit=_BUFFER
+                *words,
+                stdin=PIPE,
+                stdout=PIPE,
+                stderr=None if self._loud else DEVNULL,
+                limit=_BUFFER,
+                env={**os.environ, **places},
             )
             self._process = process
             if self._killed:
@@ -92,4 +103,7 @@ class WorkerProcess:
             await process.wait()
         except OSError:
             pass  # it could not even be started, which is told like an end
+        finally:
+            if folder:
+                shutil.rmtree(folder, ignore_errors=True)
         self._hear(b"", b"")

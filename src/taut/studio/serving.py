@@ -10,6 +10,7 @@ import secrets
 import signal
 import socket
 import sys
+import tempfile
 import threading
 import webbrowser
 from collections.abc import Callable, Iterator
@@ -28,6 +29,10 @@ HOST = "127.0.0.1"
 _FIRST, _PORTS = 49152, 16384  # the ports that nobody may reserve
 _TRIES = 100
 _GRACE = 2  # seconds that pages have to say goodbye
+_REDIRECTION = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="referrer" content="no-referrer"><title>taut studio</title>
+<meta http-equiv="refresh" content="0; url={address}"></head><body><a href="{address}">Open the studio</a></body></html>
+"""
 
 
 def serve(source: str, first: Named, port: int | None, browser: bool, debug: bool, tell: Callable[[str], None]) -> None:
@@ -70,10 +75,12 @@ def serve(source: str, first: Named, port: int | None, browser: bool, debug: boo
     def ready() -> None:
         tell(address)
         if browser and _has_display():
-            threading.Thread(target=_open, args=(address,), daemon=True).start()
+            with contextlib.suppress(OSError):
+                page = kept.enter_context(redirection(address))
+                threading.Thread(target=_open, args=(page,), daemon=True).start()
 
     server = _Server(config, ready)
-    with contextlib.closing(listening):
+    with contextlib.closing(listening), contextlib.ExitStack() as kept:
         server.run(sockets=[listening])
     if server.failure is not None:
         raise server.failure
@@ -153,6 +160,21 @@ def _has_display() -> bool:
     if sys.platform in ("win32", "darwin"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or os.environ.get("BROWSER"))
+
+
+@contextlib.contextmanager
+def redirection(address: str) -> Iterator[str]:
+    """Keep a file that only this user can read and that leads to an address, and give the file's own address.
+
+    What a browser is started with can be read by everybody on the machine, and the address has the token in it.
+    """
+    # browsers that come as snaps see no temporary files of others, and of the home no hidden ones
+    place = Path.home() if Path("/snap").is_dir() else None
+    with tempfile.TemporaryDirectory(prefix="taut-studio-", dir=place, ignore_cleanup_errors=True) as folder:
+        path = Path(folder) / "open.html"
+        path.touch(mode=0o600)
+        path.write_text(_REDIRECTION.format(address=address), encoding="utf-8")
+        yield path.as_uri()
 
 
 def _open(address: str) -> None:

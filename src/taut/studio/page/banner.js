@@ -16,9 +16,9 @@ export function showBanner(root, { store, link, drafts }) {
   let timer = 0;
   let shown = "";
 
-  store.on(["server"], ({ server: { state, refused } }) => {
+  store.on(["server"], ({ server: { state, refused, message } }) => {
     clearTimeout(timer);
-    const want = state === "gone" ? (refused ? "new" : "gone") : "";
+    const want = state === "gone" ? (refused ? "new" : message || "gone") : "";
     if (want === shown) return;
     timer = setTimeout(() => show(want), want && !shown ? PATIENCE : 0);
   });
@@ -33,12 +33,20 @@ export function showBanner(root, { store, link, drafts }) {
       return;
     }
     drafts.flush();
-    const text = want === "new"
-      ? ["The studio was started anew and has a new address. Your work is kept in this browser: open the address that ",
-        element("code", {}, "taut studio"), " printed, and it is offered there."]
-      : ["Server gone: your work is kept in this browser; start ", element("code", {}, "taut studio"), " again."];
-    root.append(icon("warn", 18), element("span", {}, ...text),
+    root.append(icon("warn", 18), element("span", {}, ...wordsOf(want)),
       element("button", { type: "button", class: "button small", onclick: () => link.retry() }, "Try now"));
     announce(root.textContent ?? "", { urgent: true });
   }
+}
+
+/**
+ * What is told: "new" and "gone" are known here, everything else is the sentence with which the server closed.
+ * @param {string} want
+ */
+function wordsOf(want) {
+  const command = element("code", {}, "taut studio");
+  if (want === "gone") return ["Server gone: your work is kept in this browser; start ", command, " again."];
+  if (want !== "new") return [`The server closed the link: ${want}.`];
+  return ["The studio was started anew and has a new address. Your work is kept in this browser: open the address that ",
+    command, " printed, and it is offered there."];
 }

@@ -7,7 +7,7 @@ import { coloursOf } from "studio/colours.js";
 /** What pictures of the board are made of; a change of anything else draws nothing. */
 const PAINTED = [
   "scene", "selection", "sketch", "hover", "show", "theme", "underlay", "problems", "planning", "answer", "time",
-  "timelines", "mode", "steps", "compare", "reach", "tool", "focused",
+  "timelines", "mode", "steps", "compare", "reach", "tool", "focused", "probe", "encounter",
 ];
 
 /**

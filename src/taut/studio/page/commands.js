@@ -98,9 +98,12 @@ export function createCommands({ store, history, board, camera, link, player }) 
       if (scene) fitBox(boxOfScene(scene));
     },
 
-    /** Keep whole what was shown whole, when the board has another size and nobody moved the camera since. */
+    /** Fit again what was fitted last, while nobody has edited or moved the camera since. Whether it did. */
     refit() {
-      if (whole.camera !== null && whole.camera === camera.get()) fitBox(whole.box);
+      const { undo, redo } = store.get().history;
+      if (undo || redo || whole.camera !== camera.get()) return false;
+      fitBox(whole.box);
+      return true;
     },
 
     fitSelection() {

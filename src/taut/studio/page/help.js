@@ -20,7 +20,7 @@ export function openHelp(tools, version) {
     body: [
       element("div", { class: "keys-sheet" }, ...[{ name: "Tools", rows: drawing }, ...groups].map(section)),
       element("p", {}, "Wheel or pinch zooms at the pointer; the middle button, two fingers or Space and drag pan. ",
-        "Shift while drawing holds the angle to 15°; Alt leaves snapping. ",
+        "Shift while drawing holds the angle to 15°; ", keyText("mod"), " lets go of snapping. ",
         "Numbers may be typed as sums and with units: 3 + 0.5, 50 cm."),
       element("p", {}, `taut studio ${version}. Everything stays on this machine.`),
     ],

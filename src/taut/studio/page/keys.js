@@ -11,7 +11,7 @@ const APPLE = /Mac|iP(hone|ad)/.test(navigator.platform);
 const SYMBOLS = /** @type {Record<string, string>} */ ({
   mod: APPLE ? "⌘" : "Ctrl", shift: "Shift", alt: APPLE ? "⌥" : "Alt", arrows: "← ↑ ↓ →", escape: "Esc",
   delete: "Del", enter: "Enter", space: "Space", tab: "Tab", backspace: "⌫", home: "Home", end: "End", f2: "F2",
-  arrowleft: "←", arrowright: "→",
+  arrowleft: "←", arrowright: "→", drag: "drag", "double-click": "double click",
 });
 
 /** @type {Key[]} */
@@ -23,7 +23,10 @@ export const KEYS = [
   { group: "Document", keys: ["mod+e"], title: "Export", run: ({ commands }) => commands.out() },
   { group: "Edit", keys: ["mod+a"], title: "Select everything", run: ({ commands }) => commands.selectAll() },
   { group: "Edit", keys: ["mod+d"], title: "Duplicate", run: ({ commands }) => commands.duplicate() },
-  { group: "Edit", keys: ["delete", "backspace"], title: "Delete", run: ({ commands }) => commands.remove() },
+  { group: "Edit", keys: ["delete", "backspace"], title: "Delete",
+    also: "⌫ while drawing: take back the last corner", run: ({ commands }) => commands.remove() },
+  { group: "Edit", keys: ["alt+drag"], title: "Drag a copy" },
+  { group: "Edit", keys: ["double-click"], title: "New corner on a side of what is selected" },
   { group: "Edit", keys: ["f2"], title: "Rename", run: ({ commands }) => commands.rename() },
   { group: "Edit", keys: ["arrows"], title: "Move what is selected by a grid step" },
   { group: "Edit", keys: ["shift+arrows"], title: "… by ten steps" },

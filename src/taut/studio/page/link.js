@@ -42,7 +42,7 @@ function linkAddress() {
 }
 
 /**
- * Open the link. Events: "hello" (what the server says first), "state" (of its workers), "up", "down" ({refused}).
+ * Open the link. Events: "hello" (what the server says first), "state" (of its workers), "up", "down" ({refused, reason}).
  * What is asked while the link is down waits for it; what was under way when it broke ends with Stopped("lost").
  * @param {string} [url]
  */
@@ -72,7 +72,7 @@ export function createLink(url = linkAddress()) {
 
   /** @param {any} message */
   const receive = (message) => {
-    if (message.hello) return emit("hello", message.hello);
+    if (message.hello) return greeted(message.hello);
     if (message.state) return emit("state", message.state);
     const ask = pending.get(message.id);
     if (!ask) return undefined;
@@ -89,20 +89,23 @@ export function createLink(url = linkAddress()) {
     }
   };
 
+  /** A link that is only opened to say why it is closed never comes here. @param {any} hello */
+  const greeted = (hello) => {
+    up = true;
+    pause = FIRST_PAUSE;
+    emit("up");
+    for (const ask of pending.values()) send(ask);
+    emit("hello", hello);
+  };
+
   const connect = () => {
     socket = new WebSocket(url);
-    socket.onopen = () => {
-      up = true;
-      pause = FIRST_PAUSE;
-      emit("up");
-      for (const ask of pending.values()) send(ask);
-    };
     socket.onmessage = ({ data }) => receive(JSON.parse(data));
-    socket.onclose = async () => {
+    socket.onclose = async ({ reason }) => {
       up = false;
       lost();
       if (ended) return;
-      emit("down", { refused: await refused() });
+      emit("down", { refused: await refused(), reason });
       timer = setTimeout(connect, pause);
       pause = Math.min(2 * pause, LONGEST_PAUSE);
     };

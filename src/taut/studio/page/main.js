@@ -23,6 +23,7 @@ import { createPanels } from "studio/panels.js";
 import { createPlanner } from "studio/planner.js";
 import { createPlayer, endOf } from "studio/player.js";
 import { createStatus } from "studio/status.js";
+import { keepSteady } from "studio/steady.js";
 import { createStepper } from "studio/stepper.js";
 import { createStore } from "studio/store.js";
 import { chosenTheme, followTheme } from "studio/theme.js";
@@ -66,6 +67,7 @@ const store = createStore({
   pointer: null,
   said: "",
   tab: "properties",
+  folded: false,
 });
 followTheme(store);
 
@@ -123,12 +125,12 @@ document.querySelector(".skip")?.addEventListener("click", () => {
 store.on(["said"], ({ said }) => said && announce(said));
 part("view").hidden = true;
 
-new ResizeObserver(commands.refit).observe(canvas);
+keepSteady(canvas, camera, board, commands.refit);
 
 store.on(["opened"], commands.fit);
 
 link.on("state", (state) => store.set({ server: Object.freeze({ state, message: "" }) }));
-link.on("down", ({ refused }) => store.set({ server: Object.freeze({ state: "gone", refused, message: "" }) }));
+link.on("down", ({ refused, reason }) => store.set({ server: Object.freeze({ state: "gone", refused, message: reason }) }));
 link.on("hello", (hello) => {
   store.set({ server: Object.freeze({ state: "warming", message: "" }), hello });
   files.begin(hello);

@@ -7,6 +7,7 @@ import { discRadius, inSight, traceChain, traceCircle, traceObstacle, traceRing 
 import { paintProblems } from "studio/paint_problems.js";
 import { paintSketch } from "studio/paint_sketch.js";
 import { paintWhyWords } from "studio/paint_why.js";
+import { paintBubble } from "studio/paint_words.js";
 import { boxOf, obstacleNamed, ownRadius, robotNamed, verticesOf, workspaceRing } from "studio/scene.js";
 
 /**
@@ -28,6 +29,7 @@ export function paintOverlay(context, view) {
   paintPairs(context, view);
   if (tool === "select" && !sketch) paintGrips(context, view);
   paintWhyWords(context, view);
+  paintEncounter(context, view);
   paintProblems(context, view);
   paintSketch(context, view);
 }
@@ -64,6 +66,18 @@ function paintOutline(context, view, ref, colour, width) {
     }
   }
   context.stroke();
+}
+
+/**
+ * The sentence of the conflict that is pointed at.
+ * @param {CanvasRenderingContext2D} context
+ * @param {View} view
+ */
+function paintEncounter(context, view) {
+  const { encounter, sketch, answer } = view.state;
+  if (sketch || !answer?.conflicts.includes(encounter)) return; // it may be one of an older plan
+  const [x, y] = encounter.place;
+  paintBubble(context, view, encounter.sentence, view.x(x), view.y(y), view.colours.bad);
 }
 
 /**

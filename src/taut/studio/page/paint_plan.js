@@ -1,12 +1,15 @@
 // @ts-check
 // The plan on the board: routes, what has been driven, robots at their places now, links of contact, conflicts.
 
+import { toScreen } from "studio/camera.js";
 import { motionsOf, poseAt } from "studio/motion.js";
 
 /** Robots are shown at least so large, pixels. */
 const LEAST = 4;
 /** More conflicts than these have smaller marks. */
 const MANY = 25;
+/** Pixels from a conflict's mark within which it is meant. */
+const MARK_REACH = 8;
 
 /**
  * Layer of the board.
@@ -160,10 +163,24 @@ function paintLinks(context, view, poses, now) {
     to(context, view, poses[j].x, poses[j].y, false);
   }
   context.strokeStyle = view.colours.link;
-  context.globalAlpha = 0.6;
-  context.lineWidth = 1;
+  context.globalAlpha = 0.9;
+  context.lineWidth = 1.75;
   context.stroke();
   context.globalAlpha = 1;
+}
+
+/**
+ * The conflict whose mark is at a pixel, or null: that of the mark on top, and none where marks are not shown.
+ * @param {import("studio/camera.js").Window} window
+ * @param {Record<string, any>} state
+ * @param {readonly [number, number]} pixel
+ */
+export function conflictAt(window, { answer, show, mode, sketch }, pixel) {
+  if (!answer || mode !== "edit" || sketch || show?.conflicts === false) return null;
+  return answer.conflicts.findLast((/** @type {any} */ { place }) => {
+    const [x, y] = toScreen(window, place);
+    return Math.hypot(pixel[0] - x, pixel[1] - y) <= MARK_REACH;
+  }) ?? null;
 }
 
 /**
@@ -179,7 +196,8 @@ function paintConflicts(context, view, conflicts, now) {
   const half = conflicts.length > MANY ? 3 : 5;
   for (const conflict of conflicts) {
     const [px, py] = [view.x(conflict.place[0]), view.y(conflict.place[1])];
-    const hovered = state.hover?.kind === "conflict" && state.hover.conflict === conflict;
+    const listed = state.hover?.kind === "conflict" && state.hover.conflict === conflict;
+    const hovered = listed || conflict === state.encounter;
     const present = Math.abs(conflict.time - now) < 0.5 && now > 0;
     context.save();
     context.translate(px, py);

@@ -241,7 +241,7 @@ function words(context, { colours }, text, px, py) {
   context.textBaseline = "middle";
   context.textAlign = "left";
   context.setLineDash([]);
-  context.lineWidth = 3;
+  context.lineWidth = 5;
   context.strokeStyle = colours.halo;
   context.strokeText(text, px, py);
   context.fillStyle = colours.ink;

@@ -32,6 +32,8 @@ export function paintChart(context, axis, chart, colours) {
   context.textAlign = "right";
   context.fillText(top.toPrecision(3), axis.left - 6, up(top));
   context.fillText("0", axis.left - 6, up(0) - 3);
+  context.textAlign = "left";
+  context.fillText(chart.brief, axis.left + axis.width + 10, height / 2);
 
   context.beginPath();
   chart.times.forEach((/** @type {number} */ time, /** @type {number} */ k) => {
@@ -117,15 +119,17 @@ export function paintRows(context, axis, motions, state, colours) {
   if (state.hover) chosen.add(state.hover.name);
   context.font = FONT;
   context.textBaseline = "middle";
+  const right = axis.left + axis.width;
   motions.forEach((motion, index) => {
     const y = index * ROW;
     if (chosen.has(motion.name)) {
       context.fillStyle = colours.outside;
-      context.fillRect(0, y, axis.left + axis.width, ROW);
+      context.fillRect(0, y, parseFloat(context.canvas.style.width), ROW);
     }
     context.fillStyle = chosen.has(motion.name) ? colours.ink : colours.quiet;
     context.textAlign = "left";
     context.fillText(motion.name, 10, y + ROW / 2, axis.left - 16);
+    context.fillText(`arrives at ${motion.arrival.toFixed(2)} s`, right + 10, y + ROW / 2);
     const colour = colours.robot(index);
     for (const { begin, end, moves } of stretchesOf(motion)) {
       const x = axis.left + (begin / axis.end) * axis.width;

@@ -6,11 +6,12 @@ import { faded } from "studio/colours.js";
 import { lengthText } from "studio/grid.js";
 import { discRadius, traceRing } from "studio/paint_outlines.js";
 import { paintPin } from "studio/paint_problems.js";
-import { paintBubble, paintPlate } from "studio/paint_words.js";
+import { paintBubble, paintPlate, plateWidth } from "studio/paint_words.js";
 import { robotNamed } from "studio/scene.js";
 
 /**
  * @typedef {import("studio/board.js").View} View
+ * @typedef {[number, number, number, number]} Box pixels: left, top, right, bottom
  * @typedef {{place: [number, number], ends?: [number, number][] | null, room: number, needed: number}} Gap
  */
 
@@ -38,10 +39,12 @@ export function paintWhyWords(context, view) {
   const { scene, problems, sketch } = view.state;
   const { colours } = view;
   const robot = robotNamed(scene, wrong.names?.[0]);
-  if (robot && from.length > 0) nameArea(context, view, robot, "start", gap, "reached from the start");
-  if (robot && to.length > 0) nameArea(context, view, robot, "goal", gap, "reaches the goal");
-  if (gap) paintGap(context, view, gap, robot?.name ?? "it");
-  else if (wrong.place && !(problems?.length > 0)) {
+  const taken = endBoxes(view);
+  if (gap) paintGap(context, view, gap, robot?.name ?? "it", taken);
+  if (robot && from.length > 0) nameArea(context, view, robot, "start", "reached from the start", taken);
+  if (robot && to.length > 0) nameArea(context, view, robot, "goal", "reaches the goal", taken);
+  if (gap) return;
+  if (wrong.place && !(problems?.length > 0)) {
     paintPin(context, view, wrong.place);
     const [x, y] = toScreen(view, wrong.place);
     if (!sketch) paintBubble(context, view, wrong.message, x, y - 19, colours.bad);
@@ -86,21 +89,57 @@ function paintArea(context, view, rings, colour, slope) {
 }
 
 /**
- * A plate below a start or goal, or above it where the gap's is below.
+ * A plate at a start or goal.
  * @param {CanvasRenderingContext2D} context
  * @param {View} view
  * @param {import("studio/scene.js").Robot} robot
  * @param {"start" | "goal"} end
- * @param {Gap | null} gap
  * @param {string} words
+ * @param {Box[]} taken
  */
-function nameArea(context, view, robot, end, gap, words) {
+function nameArea(context, view, robot, end, words, taken) {
   const [x, y] = [view.x(robot[end][0]), view.y(robot[end][1])];
-  const aside = discRadius(view, robot) + 15;
-  const near = gap && Math.abs(view.x(gap.place[0]) - x) < 180 && Math.abs(view.y(gap.place[1]) + 20 - y - aside) < 22;
+  const radius = discRadius(view, robot);
   const face = { face: view.colours[end], ink: view.colours.dark ? "#16181b" : "#ffffff" };
-  paintPlate(context, view, words, x, near ? y - aside : y + aside, face);
+  paintAside(context, view, words, [x, y], [radius, radius], face, taken);
 }
+
+/**
+ * A plate below something, or else above, right or left of it, where it covers no start, goal or other plate.
+ * @param {CanvasRenderingContext2D} context
+ * @param {View} view
+ * @param {string} words
+ * @param {readonly [number, number]} middle pixels, of what is named
+ * @param {readonly [number, number]} half its width and height, halved
+ * @param {{face: string, ink: string}} face
+ * @param {Box[]} taken what is covered already; the plate's own box comes to it
+ */
+function paintAside(context, view, words, [x, y], [across, up], face, taken) {
+  const half = plateWidth(context, words) / 2;
+  const spots = [[x, y + up + 15], [x, y - up - 15], [x + across + half + 8, y], [x - across - half - 8, y],
+    [x, y + up + 37], [x, y - up - 37]];
+  const boxes = spots.map(([left, top]) => /** @type {Box} */ ([left - half, top - 9, left + half, top + 9]));
+  const within = (/** @type {Box} */ [x0, y0, x1, y1]) => x0 >= 0 && y0 >= 0 && x1 <= view.width && y1 <= view.height;
+  const free = boxes.findIndex((box) => within(box) && !taken.some((other) => meet(box, other)));
+  const chosen = Math.max(free, 0);
+  paintPlate(context, view, words, spots[chosen][0], spots[chosen][1], face);
+  taken.push(boxes[chosen]);
+}
+
+/**
+ * Where starts and goals are, in pixels.
+ * @param {View} view
+ * @returns {Box[]}
+ */
+function endBoxes(view) {
+  return view.state.scene.robots.flatMap((/** @type {any} */ robot) => [robot.start, robot.goal].map(([x, y]) => {
+    const radius = discRadius(view, robot);
+    return [view.x(x) - radius, view.y(y) - radius, view.x(x) + radius, view.y(y) + radius];
+  }));
+}
+
+/** @param {Box} one @param {Box} other */
+const meet = (one, other) => one[0] < other[2] && other[0] < one[2] && one[1] < other[3] && other[1] < one[3];
 
 /**
  * The narrowest place: how much room there is, and how much is needed.
@@ -108,8 +147,9 @@ function nameArea(context, view, robot, end, gap, words) {
  * @param {View} view
  * @param {Gap} gap
  * @param {string} name of the robot that does not fit
+ * @param {Box[]} taken
  */
-function paintGap(context, view, { place, ends, room, needed }, name) {
+function paintGap(context, view, { place, ends, room, needed }, name, taken) {
   const { colours } = view;
   const [x, y] = toScreen(view, place);
   const [a, b] = ends?.length === 2 ? ends.map((end) => toScreen(view, end)) : [[x, y], [x, y]];
@@ -129,6 +169,7 @@ function paintGap(context, view, { place, ends, room, needed }, name) {
   context.strokeStyle = colours.bad;
   context.stroke();
   const face = { face: colours.bad, ink: colours.dark ? "#16181b" : "#ffffff" };
-  const below = Math.max(a[1], b[1], y) + 20;
-  paintPlate(context, view, `${name} needs ${lengthText(needed)}: here are ${lengthText(room)}`, x, below, face);
+  const there = room > 1e-6 * needed ? `there are ${lengthText(room)}` : "there is no room";
+  const half = /** @type {[number, number]} */ ([Math.abs(b[0] - a[0]) / 2, Math.abs(b[1] - a[1]) / 2 + 5]);
+  paintAside(context, view, `${name} needs ${lengthText(needed)}: ${there}`, [x, y], half, face, taken);
 }

@@ -12,6 +12,16 @@ const WIDEST = 250;
 const BORDER = 6;
 
 /**
+ * How wide the plate of a text is, pixels.
+ * @param {CanvasRenderingContext2D} context
+ * @param {string} text
+ */
+export function plateWidth(context, text) {
+  context.font = FONT;
+  return context.measureText(text).width + 12;
+}
+
+/**
  * A plate with a short text, its middle at a pixel (moved in where the board ends).
  * @param {CanvasRenderingContext2D} context
  * @param {View} view
@@ -21,8 +31,7 @@ const BORDER = 6;
  * @param {{face?: string, ink?: string}} [look]
  */
 export function paintPlate(context, view, text, x, y, look = {}) {
-  context.font = FONT;
-  const width = context.measureText(text).width + 12;
+  const width = plateWidth(context, text);
   const left = within(x - width / 2, width, view.width);
   const top = within(y - 9, 18, view.height);
   context.beginPath();

@@ -2,6 +2,7 @@
 // What came of planning: the certificate and its numbers, costs against the bound, conflicts, notes; or why not.
 
 import { clear, element } from "studio/dom.js";
+import { lengthText } from "studio/grid.js";
 import { icon } from "studio/icons.js";
 import { duration } from "studio/status.js";
 
@@ -38,15 +39,24 @@ export function createResult({ store, player, commands }) {
       if (!problems.length && planning.state !== "failed") root.append(emptyCard(scene, planning));
       return;
     }
-    root.append(verdictCard(answer, planning, go));
     const { certificate, conflicts, notes } = answer;
-    if (certificate) root.append(certificateTable(certificate, go));
-    root.append(fold("Robots", answer.plan.robots, (robot) => fate(robot, answer)));
-    if (conflicts.length) {
-      root.append(fold("Conflicts resolved", conflicts, (each) => spot(each.sentence, each.time, () => go(each),
-        (on) => store.set({ hover: on ? { kind: "conflict", name: each.robot, conflict: each } : null }))));
-    }
-    if (notes.length) root.append(fold("Notes", notes, (note) => element("li", {}, note)));
+    const failed = planning.state === "failed";
+    const outcome = element("section", { class: failed ? "outcome old" : "outcome" },
+      verdictCard(answer, planning, go));
+    if (certificate) outcome.append(certificateTable(certificate, go));
+    outcome.append(fold("Robots", answer.plan.robots, (robot) => fate(robot, answer)));
+    if (conflicts.length) outcome.append(conflictList(conflicts));
+    if (notes.length) outcome.append(fold("Notes", notes, (note) => element("li", {}, note)));
+    root.append(outcome);
+  }
+
+  /** Conflicts and what their marks on the map mean. @param {any[]} conflicts */
+  function conflictList(conflicts) {
+    const list = fold("Conflicts resolved", conflicts, (each) => spot(each.sentence, each.time, () => go(each),
+      (on) => store.set({ hover: on ? { kind: "conflict", name: each.robot, conflict: each } : null })));
+    list.querySelector("summary")?.after(element("p", { class: "legend" },
+      element("span", { class: "mark" }), "waited", element("span", { class: "mark turned" }), "took another way"));
+    return list;
   }
 
   /** How one robot fares. @param {any} robot @param {any} answer */
@@ -117,9 +127,24 @@ function failureCard(wrong, go) {
   return element("section", { class: "card bad", "aria-label": "Why there is no plan" },
     element("h3", {}, icon("warn", 16), "No plan"),
     element("p", {}, wrong?.message ?? "Planning failed."),
-    ...sentences.map((/** @type {string} */ said) => element("p", {}, said)),
+    ...[...sentences, ...remedy(wrong)].map((/** @type {string} */ said) => element("p", {}, said)),
     at ? element("button", { type: "button", class: "button small",
       onclick: () => go({ place: at, time: wrong.time }) }, "Show where") : null);
+}
+
+/** What would make room where there is too little. @param {any} wrong @returns {string[]} */
+function remedy(wrong) {
+  const gap = wrong?.why?.gap;
+  const missing = gap ? gap.needed - gap.room : 0;
+  if (!(missing > 0)) return [];
+  const name = wrong.names?.[0] ?? "the robot";
+  return [`Make that gap ${lengthText(roundedUp(missing))} wider, make ${name} smaller, or move its start or goal.`];
+}
+
+/** A little more than a length, in two digits: what is made wider by that is wide enough. @param {number} metres */
+function roundedUp(metres) {
+  const digit = 10 ** (Math.floor(Math.log10(metres)) - 1);
+  return Math.ceil(metres / digit + 1e-9) * digit;
 }
 
 /** @param {any} scene @param {any} planning */

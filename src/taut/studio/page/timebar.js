@@ -4,6 +4,12 @@
 import { element } from "studio/dom.js";
 import { icon } from "studio/icons.js";
 
+/** Pixels left of the slider and right of it: buttons here, names and arrivals in the timelines on the same axis. */
+export const LEFT = 158;
+export const RIGHT = 148;
+/** Below this height of the window, in pixels, the board gets the room of the timelines until somebody unfolds them. */
+const LOW = 700;
+
 /** Speeds offered, seconds of the plan a second. */
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 25];
 
@@ -23,11 +29,31 @@ export function createTimebar(store, player) {
   );
   const loop = element("button", { id: "loop", class: "button square", type: "button", title: "Loop (L)", "aria-label": "Loop",
     onclick: () => player.setLoop(!store.get().time.loop) }, icon("loop"));
+  const fold = element("button", { id: "fold", class: "button square ghost", type: "button",
+    "aria-controls": "timelines", onclick: toggleFold }, icon("down"));
+  let chosen = false;
   const clock = element("output", { id: "clock", class: "number", for: "scrub" });
 
   function seek() {
     player.pause();
     player.seek(Number(scrub.value));
+  }
+
+  function toggleFold() {
+    chosen = true;
+    store.set({ folded: !store.get().folded });
+  }
+
+  /** Until somebody says otherwise. */
+  function foldIfLow() {
+    if (!chosen) store.set({ folded: innerHeight < LOW });
+  }
+
+  function showFold() {
+    const folded = Boolean(store.get().folded);
+    fold.setAttribute("aria-expanded", String(!folded));
+    fold.setAttribute("aria-label", folded ? "Show the timelines" : "Fold the timelines");
+    fold.title = folded ? "Show the timelines" : "Fold the timelines";
   }
 
   function show() {
@@ -51,6 +77,15 @@ export function createTimebar(store, player) {
   }
 
   store.on(["time", "answer", "compared", "mode"], show);
+  store.on(["folded"], showFold);
+  window.addEventListener("resize", foldIfLow);
+  foldIfLow();
+  showFold();
   show();
-  return element("div", { class: "timebar", role: "group", "aria-label": "Time" }, play, scrub, clock, speed, loop);
+  const bar = element("div", { class: "timebar", role: "group", "aria-label": "Time" },
+    element("div", { class: "timebar-start" }, play, loop, speed), scrub,
+    element("div", { class: "timebar-end" }, clock, fold));
+  bar.style.setProperty("--left", `${LEFT}px`);
+  bar.style.setProperty("--right", `${RIGHT}px`);
+  return bar;
 }

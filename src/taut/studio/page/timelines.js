@@ -5,10 +5,8 @@ import { isDark, palette } from "studio/colours.js";
 import { clear, element } from "studio/dom.js";
 import { makespanOf, motionsOf } from "studio/motion.js";
 import { nameAt, paintChart, paintRows, ROW } from "studio/paint_timelines.js";
+import { LEFT, RIGHT } from "studio/timebar.js";
 
-/** Pixels kept free at the left for names and at the right. */
-const LEFT = 92;
-const RIGHT = 12;
 const CHART = 64;
 
 /**
@@ -26,7 +24,10 @@ export function createTimelines(store, player) {
   const rows = canvasOf("Moves and waits of each robot over time");
   const list = element("div", { class: "timeline-rows" }, rows);
   const tip = element("div", { class: "tip", hidden: true });
-  const root = element("section", { id: "timelines", "aria-label": "Timelines" }, charts, list, head, tip);
+  const none = element("p", { class: "timelines-none quiet" },
+    "Separation, contact, moves and waits are drawn here once there is a plan.");
+  const scroll = element("div", { class: "timelines-scroll" }, charts, list, none);
+  const root = element("section", { id: "timelines", "aria-label": "Timelines" }, scroll, head, tip);
   /** @type {Map<string, HTMLCanvasElement>} */
   const drawn = new Map();
 
@@ -52,6 +53,7 @@ export function createTimelines(store, player) {
     }
     const motions = state.answer ? motionsOf(state.answer) : [];
     list.hidden = motions.length === 0;
+    none.hidden = motions.length > 0;
     paintRows(sized(rows, root.clientWidth, Math.max(motions.length * ROW, 1)), axis(), motions, state, colours);
     place();
   }
@@ -61,6 +63,11 @@ export function createTimelines(store, player) {
     const share = Math.min(store.get().time.now / end, 1);
     head.style.transform = `translateX(${left + share * width}px)`;
     head.hidden = player.until() <= 0;
+  }
+
+  function fold() {
+    root.hidden = Boolean(store.get().folded);
+    paint();
   }
 
   /** @param {PointerEvent} event */
@@ -108,7 +115,9 @@ export function createTimelines(store, player) {
   store.on(["answer", "timelines"], layout);
   store.on(["theme", "hover", "selection"], paint);
   store.on(["time"], place);
+  store.on(["folded"], fold);
   new ResizeObserver(paint).observe(root);
+  fold();
   layout();
   return root;
 }
@@ -139,6 +148,7 @@ function connectivity({ times, lambda2, parts }, until) {
   return {
     name: "λ2",
     words: least > 0 ? `at least ${least.toPrecision(3)}` : "0 at times: the team is not connected",
+    brief: least > 0 ? `least ${least.toPrecision(3)}` : "apart at times",
     steps: true,
     times: [...times, Math.max(until, times.at(-1))],
     values: [...lambda2, lambda2.at(-1)],
@@ -156,6 +166,7 @@ function partsOver(times, parts, until) {
   return {
     name: "parts",
     words: `at most ${Math.max(...parts)}`,
+    brief: `at most ${Math.max(...parts)}`,
     steps: true,
     times: [...times, Math.max(until, times[times.length - 1])],
     values: [...parts, parts[parts.length - 1]],
@@ -173,6 +184,7 @@ function nearness({ times, values, least }, gap) {
   return {
     name: "apart (m)",
     words: least ? `least ${least.value.toPrecision(3)} metres at ${least.time.toFixed(2)} seconds, ${least.robots?.join(" and ")}` : "",
+    brief: least ? `least ${least.value.toPrecision(3)} m` : "",
     steps: false,
     times,
     values,

@@ -11,6 +11,7 @@ import {
   beginBox, beginGrip, beginMove, click, clickGrip, doubleClick, drag, drop, giveUp, hover, press, stretchBox,
 } from "studio/tool_select.js";
 import { beginSpan, endSpan, stretchSpan } from "studio/tool_spans.js";
+import { conflictAt } from "studio/paint_plan.js";
 import { problemAt } from "studio/paint_problems.js";
 
 /**
@@ -210,7 +211,8 @@ export function createTools(parts) {
     last = boardEvent(event);
     const { scene, problems, probe = null } = store.get();
     const found = scene ? problemAt(board.window(), problems ?? [], last.pixel) : null;
-    store.set(found === probe ? { pointer: last.point } : { pointer: last.point, probe: found });
+    const encounter = found === null ? conflictAt(board.window(), store.get(), last.pixel) : null;
+    store.set({ pointer: last.point, encounter, ...(found === probe ? {} : { probe: found }) });
     if (!navigation.held()) send("move", last);
   }
 
@@ -237,7 +239,7 @@ export function createTools(parts) {
     const { hover: under, sketch } = store.get();
     const kept = sketch?.kind === "cursor" ? null : sketch;
     if (under || kept !== sketch) store.set({ hover: null, sketch: kept });
-    store.set({ pointer: null, probe: null });
+    store.set({ pointer: null, probe: null, encounter: null });
   }
 
   /** @param {KeyboardEvent} event */
